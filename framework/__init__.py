@@ -1,0 +1,44 @@
+"""The renderer that the notebooks build on: `import framework as fw`.
+
+Everything is loaded when it is first used, so that importing costs little more than NumPy.
+"""
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Camera": "camera",
+    "Environment": "environment",
+    "EnvironmentLight": "environment",
+    "Mesh": "mesh",
+    "hammersley": "sampling",
+    "load_mesh": "mesh",
+    "normalize": "arrays",
+    "orthonormal_frame": "arrays",
+    "rasterize": "raster",
+    "read_image": "image",
+    "reflect": "arrays",
+    "sample_ggx": "ggx",
+    "tone_map": "image",
+    "write_image": "image",
+}
+_MODULES = ("arrays", "camera", "environment", "ggx", "image", "mesh", "metrics", "raster", "sampling", "sdf",
+            "show", "skies")  # fmt: skip
+
+__all__ = [*_HOME, *_MODULES]
+
+
+def __getattr__(name):
+    if name in _HOME:
+        value = getattr(import_module(f"framework.{_HOME[name]}"), name)
+    elif name in _MODULES:
+        value = import_module(f"framework.{name}")
+    else:
+        raise AttributeError(f"framework has no {name!r}; it offers {', '.join(sorted(__all__))}")
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted(__all__)
