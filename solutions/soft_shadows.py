@@ -17,10 +17,8 @@
 # %%
 import numpy as np
 
-import framework as fw
 
-
-# %% nbgrader={"grade": false, "grade_id": "safe_angle", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "safe_angle", "solution": true}
 def safe_angle(distance, travelled):
     """Angle about the ray, seen from its start, within which nothing is in the way.
 
@@ -41,7 +39,7 @@ def safe_angle(distance, travelled):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "penumbra", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "penumbra", "solution": true}
 def penumbra(distance, travelled, k):
     """Visibility estimated from one step of the march.
 
@@ -67,7 +65,7 @@ def penumbra(distance, travelled, k):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "needs_shadow_ray", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "needs_shadow_ray", "solution": true}
 def needs_shadow_ray(normal, to_light):
     """Whether a shadow ray can change the picture at all.
 
@@ -85,7 +83,7 @@ def needs_shadow_ray(normal, to_light):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "soft_shadow", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "soft_shadow", "solution": true}
 def soft_shadow(sdf, origin, to_light, k, t_min, t_max, max_steps):
     """How much of the light is seen, from the smallest penumbra along one ray.
 
@@ -124,7 +122,7 @@ def soft_shadow(sdf, origin, to_light, k, t_min, t_max, max_steps):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "area_light_shadow", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "area_light_shadow", "solution": true}
 def area_light_shadow(sdf, origin, to_light, angular_radius, t_min, t_max, max_steps):
     """Visible fraction of a round light, from the smallest signed angle along one ray.
 
@@ -143,8 +141,8 @@ def area_light_shadow(sdf, origin, to_light, angular_radius, t_min, t_max, max_s
 
     Notes
     -----
-    The march goes on inside the occluder, by steps of at least a quarter of the light's radius as seen from the
-    start: finer ones change the mean error by less than 3 %.
+    The march goes on inside the occluder, by steps of at least a quarter of the light's radius as seen
+    from the start: finer ones change the mean error by less than 3 %.
     """
     ### BEGIN SOLUTION
     origin, to_light = np.broadcast_arrays(np.asarray(origin, dtype=float), to_light)
