@@ -1,0 +1,415 @@
+"""Pages, index and table of grades, over results as the grader writes them and as a stranger would like them."""
+
+import csv
+import json
+import re
+import time
+import tracemalloc
+from base64 import b64decode
+from hashlib import sha256
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from autograder.report import write_grades, write_index, write_page
+from autograder.report_view import CHECK_WORDS, PICTURE_BYTES, SUBMISSION_WORDS, number, text
+
+TASKS = {
+    "sphere_tracing": [
+        "sdf_sphere",
+        "sdf_box",
+        "sdf_torus",
+        "blend",
+        "smooth_union",
+        "estimate_normal",
+        "sphere_trace",
+    ],
+    "soft_shadows": ["safe_angle", "penumbra", "needs_shadow_ray", "soft_shadow", "area_light_shadow"],
+}
+ASKED = {
+    "sdf_box": "Return the exact signed distance to a box, negative inside.",
+    "estimate_normal": "Return the unit gradient of the distance by finite differences.",
+    "sphere_trace": "March each ray by its distance and return where it hits.",
+    "soft_shadow": "March towards the light and keep the smallest penumbra.",
+}
+MISTAKE = {
+    "message": "inside the box the distance is 0 where it should be negative (812 of 4096 points).",
+    "likely_mistake": "box-without-interior-term",
+    "hint": "Add min(max(q.x, q.y, q.z), 0): the first term alone is 0 everywhere inside.",
+    "title": ASKED["sdf_box"],
+    "caption": "A slice through the centre of the box; outside is grey, inside is blue.",
+    "scale": 0.25,
+    "measures": [
+        {"name": "outside the box", "metric": "max abs", "error": 3.1e-16, "tolerance": 1e-9, "credit": 1.0,
+         "share": 0.3, "public": True, "message": ""},
+        {"name": "inside the box", "metric": "max abs", "error": 0.25, "tolerance": 1e-9, "credit": 0.0,
+         "share": 0.5, "public": False, "message": "At the centre it is 0, and -0.25 is wanted."},
+        {"name": "length of the gradient", "metric": "rms", "error": 0.0213, "tolerance": 0.01, "credit": 0.4,
+         "share": 0.2, "public": False, "message": ""},
+    ],
+}  # fmt: skip
+TRACEBACK = """Traceback (most recent call last):
+  cell estimate_normal, line 4, in estimate_normal
+    return gradient / np.linalg.norm(gradient, axis=1)
+ValueError: operands could not be broadcast together with shapes (64,3) (64,)"""
+BREAKS = {"error": "estimate_normal raised ValueError: operands could not be broadcast together.",
+          "timeout": "sphere_trace used its 10 s of CPU; the reference needs 0.05 s. Does every ray advance?",
+          "out_of_memory": "the process ran over its 2 GiB.", "crashed": "Python died of a segmentation fault.",
+          "not_attempted": ""}  # fmt: skip
+
+
+def check(task, name, status="pass", score=2, max_score=2, **more):
+    return {"id": task, "name": name, "status": status, "score": score, "max_score": max_score,
+            "message": BREAKS.get(status, ""), **more}  # fmt: skip
+
+
+def result(student="amy", assignment="sphere_tracing", checks=(), **more):
+    return {
+        "schema": 1, "assignment": assignment, "student": student, "status": "graded", "message": "",
+        "score": sum(c["score"] for c in checks), "max_score": sum(c["max_score"] for c in checks),
+        "isolation": "namespaces+seccomp", "wall_seconds": 1.9, "peak_memory_mb": 210, "checks": list(checks),
+        "record": {"notebook": "9f2c" * 16, "versions": {"python": "3.11.9", "numpy": "2.4.0"}, "seed": 20240511},
+        **more,
+    }  # fmt: skip
+
+
+def sample_checks():
+    """One check of every status, with everything that a check may carry somewhere among them."""
+    names = TASKS["sphere_tracing"]
+    return [
+        check("1.1", names[0], title="Return the signed distance to a sphere.",
+              measures=[{"name": "grid of points", "metric": "max abs", "error": 0.0, "tolerance": 1e-9,
+                         "credit": 1.0, "share": 1.0, "public": True, "message": ""}]),
+        check("1.2", names[1], "partial", 1.16, 3, **MISTAKE),
+        check("1.3", names[2], "fail", 0, 3, metric="max abs", error=1.7, tolerance=1e-9, message="the axis is z, not y."),
+        check("1.4", names[3], "not_attempted", 0, 1),
+        check("1.5", names[4], "crashed", 0, 2),
+        check("1.6", names[5], "error", 0, 4, title=ASKED["estimate_normal"], traceback=TRACEBACK,
+              prints="eps = 0.001\nshape (64, 3)\n"),
+        check("1.7", names[6], "timeout", 0, 5, title=ASKED["sphere_trace"], evaluations=912345,
+              evaluations_reference=81234),
+        check("1.8", "one_more", "out_of_memory", 0, 2),
+    ]  # fmt: skip
+
+
+def paint(folder, task, size=128, noise=0.0):
+    """The grader's three pictures of a task: a shaded ball, the student's darker below, and where they differ."""
+    y, x = np.mgrid[-1.3 : 1.3 : size * 1j, -1.3 : 1.3 : size * 1j]
+    z = np.sqrt(np.clip(1 - x * x - y * y, 0, 1))
+    light = np.clip(0.5 * x - 0.6 * y + 0.62 * z, 0, 1) * (z > 0)
+    rng = np.random.default_rng(7)
+    reference = 0.12 + 0.75 * light[..., None] * [1.0, 0.93, 0.8] + noise * rng.random((size, size, 3))
+    yours = reference * (1 - 0.5 * (y > 0.1) * (z > 0))[..., None]
+    difference = (np.abs(yours - reference)[..., :1] * [2.6, 0.9, 0.4]) ** 0.8
+    folder.mkdir(parents=True, exist_ok=True)
+    for kind, pixels in {"yours": yours, "reference": reference, "difference": difference}.items():
+        Image.fromarray((np.clip(pixels, 0, 1) * 255).astype(np.uint8)).save(folder / f"{task}-{kind}.png")
+    where = f"../../pages/{folder.parent.name}/{folder.name}/{task}"
+    return {kind: f"{where}-{kind}.png" for kind in ("yours", "reference", "difference")}
+
+
+def store(out, data, folder=None):
+    """Write a result where the grader would; returns its path."""
+    path = out / "results" / (folder or data["student"]) / f"{data['assignment']}.json"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(data))
+    return path
+
+
+def page_of(out, data, folder=None):
+    return write_page(data, store(out, data, folder), out).read_text(encoding="utf-8")
+
+
+class Reader(HTMLParser):
+    """Collects the tags, attributes and text that a browser would see."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.tags, self.attributes, self.words = [], [], []
+        self.feed(page)
+        self.text = " ".join(" ".join(self.words).split())
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+EVIL = "</title></style><script>alert(1)</script>\"'><img src=x onerror=alert(2)>{{ 7*7 }}&lt;b&gt;"
+
+
+def poison(value):
+    if isinstance(value, dict):
+        return {key: poison(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [poison(item) for item in value]
+    return EVIL if isinstance(value, str) else value
+
+
+def test_markup_in_every_text_of_a_result_stays_text(tmp_path):
+    data = poison(result(checks=[{**c, "images": {"yours": "a.png"}} for c in sample_checks()]))
+    data |= {"status": "graded", "schema": 1}
+    data["checks"][5]["traceback"] = data["checks"][5]["prints"] = EVIL
+    path = tmp_path / "results" / "evil" / "sphere_tracing.json"
+    path.parent.mkdir(parents=True)
+    path.write_text(json.dumps(data))
+    page = Reader(write_page(data, path, tmp_path).read_text(encoding="utf-8"))
+    write_index(tmp_path)
+    index = Reader((tmp_path / "index.html").read_text(encoding="utf-8"))
+    assert "script" not in page.tags and index.tags.count("script") == 1
+    for read in (page, index):
+        assert EVIL[:60] in read.text and "{{ 7*7 }}&lt;b&gt;" in read.text
+        assert not [a for a in read.attributes if a[1].startswith("on") or a[1] == "style"]
+        assert all(value.startswith("data:") for tag, name, value in read.attributes if name == "src")
+
+
+def test_the_policy_lets_nothing_run_but_the_pages_own_style_and_script(tmp_path):
+    page_of(tmp_path, result(checks=sample_checks()))
+    write_index(tmp_path)
+    for path in (tmp_path / "pages/amy/sphere_tracing.html", tmp_path / "index.html"):
+        html = path.read_text(encoding="utf-8")
+        policy = re.search(r'Content-Security-Policy" content="([^"]*)"', html)[1].replace("&#39;", "'")
+        assert "default-src 'none'" in policy and "unsafe" not in policy
+        for tag in ("style", "script"):
+            for block in re.findall(rf"<{tag}>(.*?)</{tag}>", html, re.S):
+                digest = re.search(rf"{tag}-src 'sha256-([^']*)'", policy)[1]
+                assert b64decode(digest) == sha256(block.encode()).digest()
+
+
+@pytest.mark.parametrize(
+    "student", ['O"Neill <&>', "日本語 名前", "x" * 5000, "a\u202eb\x00\x1b[31m\ud800", "=1+1", " "]
+)
+def test_odd_names_are_shown_and_never_reorder_what_is_around_them(tmp_path, student):
+    page = page_of(tmp_path, result(student, checks=sample_checks()), folder="folder-1f2e")
+    write_index(tmp_path)
+    write_grades(tmp_path)
+    index = (tmp_path / "index.html").read_text(encoding="utf-8")
+    shown = " ".join(text(student, 200).split())
+    assert shown in Reader(page).text and shown in Reader(index).text
+    assert not {"\u202e", "\x00", "\x1b"} & set(page + index)
+    assert len(page) < 100_000
+
+
+@pytest.mark.parametrize("status", SUBMISSION_WORDS)
+def test_every_submission_status_has_a_page_that_says_it(tmp_path, status):
+    html = page_of(tmp_path, result(status=status, message="told by the grader"))
+    assert SUBMISSION_WORDS[status] in html and "told by the grader" in html
+
+
+def test_every_check_status_has_a_word_a_meaning_and_a_shape_of_its_own(tmp_path):
+    html = page_of(tmp_path, result(checks=sample_checks()))
+    cards = re.findall(r'<section class="card (.*?)</section>', html, re.S)
+    assert len(cards) == len(CHECK_WORDS)
+    seen = {re.match(r"s-(\w+)", card)[1]: card for card in cards}
+    assert set(seen) == set(CHECK_WORDS)
+    for status, (word, meaning) in CHECK_WORDS.items():
+        assert f"<strong>{word}</strong>" in seen[status] and meaning in seen[status]
+        assert f'<use href="#{status}"/>' in seen[status] and f'<symbol id="{status}"' in html
+    shapes = re.findall(r'<symbol id="\w+" viewBox="0 0 20 20">(.*?)</symbol>', html)
+    assert len(shapes) == len(set(shapes)) == len(CHECK_WORDS) + 2
+
+
+def test_a_page_tells_score_errors_mistake_and_what_would_raise_the_score_most(tmp_path):
+    page = Reader(page_of(tmp_path, result(checks=sample_checks())))
+    assert "3.16 of 22 points" in page.text
+    gains = page.text.split("raise the score most")[1]
+    assert re.match(
+        r" 1\.7 sphere_trace up to \+5 1\.6 estimate_normal up to \+4 1\.3 sdf_torus up to \+3", gains
+    )
+    for words in ("box without interior term", "Add min(max(q.x", "0.25", "limit 1×10⁻⁹", "hidden input",
+                  "0.0213", "2.13 × the limit", "0.24 of 0.6", "912\u202f345", "11.23 × its work",
+                  "notebook 9f2c", "versions numpy 2.4.0"):  # fmt: skip
+        assert words.replace("\u202f", " ") in page.text, words
+
+
+def test_an_error_lies_on_the_scale_by_its_decades_from_the_limit(tmp_path):
+    errors = {
+        1e-12: 6.0,
+        1e-4: 44.0,
+        1e-2: 120.0,
+        1.0: 196.0,
+        1e9: 234.0,
+        0.0: 6.0,
+    }  # of 6 to 234, limit 1e-2
+    checks = [check(str(i), "f", metric="rms", error=error, tolerance=1e-2) for i, error in enumerate(errors)]
+    html = page_of(tmp_path, result(checks=checks))
+    marks = re.findall(r'class="(within|outside)" (?:cx="|d="M)([\d.]+)', html)[: len(errors)]
+    assert [float(x) for _, x in marks] == list(errors.values())
+    assert [kind for kind, _ in marks] == ["within"] * 3 + ["outside"] * 2 + ["within"]
+
+
+@pytest.mark.parametrize(
+    "level, loud", [("namespaces+seccomp", False), ("subprocess", True), ("", True), (None, True)]
+)
+def test_weak_isolation_is_said_loudly(tmp_path, level, loud):
+    html = page_of(tmp_path, result(isolation=level))
+    write_index(tmp_path)
+    assert ("NOT ISOLATED" in html) == loud == ("NOT ISOLATED" in (tmp_path / "index.html").read_text())
+
+
+def test_pictures_travel_inside_the_page_at_a_whole_zoom(tmp_path):
+    images = paint(tmp_path / "pages/amy/sphere_tracing", "1.2", size=64)
+    html = page_of(
+        tmp_path, result(checks=[check("1.2", "sdf_box", "partial", 1, 3, **MISTAKE, images=images)])
+    )
+    found = re.findall(r'src="data:image/png;base64,([^"]*)" width="(\d+)" height="(\d+)"', html)
+    assert [(w, h) for _, w, h in found] == [("256", "256")] * 3  # 64 pixels, four times
+    files = [
+        (tmp_path / "pages/amy/sphere_tracing" / name.rsplit("/")[-1]).read_bytes()
+        for name in images.values()
+    ]
+    assert [b64decode(data) for data, _, _ in found] == files
+    assert "full scale 0.25" in html
+
+
+def test_a_page_stays_below_two_megabytes_and_keeps_the_pictures_of_the_dearest_mistake(tmp_path):
+    folder = tmp_path / "pages/amy/sphere_tracing"
+    checks = [
+        check(f"1.{i}", "f", "fail", 0, i, images=paint(folder, f"1.{i}", 256, noise=1.0))
+        for i in range(1, 8)
+    ]
+    assert sum(path.stat().st_size for path in folder.iterdir()) > PICTURE_BYTES
+    html = page_of(tmp_path, result(checks=checks))
+    assert len(html) < 2_000_000
+    cards = re.findall(r'id="task-(1\.\d)"(.*?)</section>', html, re.S)
+    assert [len(re.findall("base64,", card)) for task, card in cards if task == "1.7"] == [3]
+    assert 'href="sphere_tracing/1.1-yours.png"' in html
+
+
+@pytest.mark.parametrize(
+    "name", ["../../../secret.png", "/etc/hostname", "../../pages/amy/x/none.png", "x\0y", "../../pages"]
+)
+def test_only_pictures_below_pages_are_read(tmp_path, name):
+    out = tmp_path / "out"
+    Image.new("RGB", (4, 4)).save(tmp_path / "secret.png")
+    html = page_of(out, result(checks=[check("1.1", "f", images={"yours": name})]))
+    assert "base64," not in html and "This picture is missing" in html
+
+
+def test_a_foreign_or_broken_file_gets_a_row_and_stops_nothing(tmp_path):
+    store(tmp_path, result("amy", checks=sample_checks()))
+    folder = tmp_path / "results" / "bob"
+    folder.mkdir()
+    broken = {"a": b"{", "b": b"\xff\xfe\x00", "c": b"[" * 100_000, "d": b'{"schema": 1}', "e": b"null", "f": b"",
+              "g": json.dumps(result() | {"score": True}).encode(), "h": b'{"schema": 1' + b"1" * 5000 + b"}",
+              "i": json.dumps(result() | {"score": float("nan")}).encode(),
+              "j": json.dumps(result() | {"status": ["graded"]}).encode()}  # fmt: skip
+    for name, data in broken.items():
+        (folder / f"{name}.json").write_bytes(data)
+    (folder / "k.json").symlink_to(tmp_path / "results" / "amy" / "sphere_tracing.json")
+    (folder / "l.json").mkdir()
+    write_index(tmp_path)
+    write_grades(tmp_path)
+    assert (tmp_path / "index.html").read_text().count(">unreadable</td>") == 12
+    rows = list(csv.reader((tmp_path / "grades.csv").open(newline="")))
+    assert rows[1][:3] == ["amy", "sphere_tracing", "graded"] and rows[2] == [
+        "bob",
+        "a",
+        "unreadable",
+        "",
+        "",
+    ]
+    assert len(rows) == 14
+    for name in "de":
+        with pytest.raises(ValueError, match="not a grader's result"):
+            write_page(json.loads(broken[name]), folder / f"{name}.json", tmp_path)
+
+
+def test_odd_values_inside_a_result_are_left_empty(tmp_path):
+    odd = [None, -1, 1e308, float("nan"), float("inf"), 10**400, "7", [], {}, True]
+    keys = ["error", "tolerance", "evaluations", "evaluations_reference", "measures", "images", "scale", "traceback",
+            "prints", "caption", "message", "likely_mistake", "hint", "metric", "cpu_seconds"]  # fmt: skip
+    checks = [check(str(i), "f", **{key: value for key in keys}) for i, value in enumerate(odd)]
+    checks += [
+        check("x", "f", measures=[dict.fromkeys(["error", "tolerance", "share", "credit"], v)]) for v in odd
+    ]
+    checks += [
+        check("y", "f", measures=[{"error": e, "tolerance": t}])
+        for e in (1e308, 0, -1)
+        for t in (0, 1e-308, -1)
+    ]
+    html = page_of(tmp_path, result(checks=checks, record=odd))
+    assert not re.search(r"\b(nan|inf)\b", Reader(html).text.replace("NaN", ""))
+    assert number(10**400) is None and number(True) is None and number(np.int64(3)) == 3.0
+
+
+def test_the_table_of_grades_is_sorted_and_runs_no_formula(tmp_path):
+    students = ["zoe", "=cmd|' /C calc'!A0", "+1", "-1", "@SUM(A1)", "\tx", "\rx", 'a,b"c', "amy", "日本"]
+    for i, student in enumerate(students):
+        store(tmp_path, result(student, checks=[check("1.1", "f", score=1.25)]), folder=f"s{i}")
+    store(tmp_path, result("amy", "soft_shadows", [check("2.1", "f")]), folder="s8")
+    write_grades(tmp_path)
+    with (tmp_path / "grades.csv").open(encoding="utf-8", newline="") as file:
+        assert file.readline() == "student,assignment,status,score,max_score\n"
+        rows = list(csv.reader(file))
+    assert rows == sorted(rows) and len(rows) == 11
+    assert ["'=cmd|' /C calc'!A0", "sphere_tracing", "graded", "1.25", "2"] in rows
+    assert {row[0][0] for row in rows} == {"'", "a", "z", "日"} and sum(row[0][0] == "'" for row in rows) == 6
+    assert ["'\rx", "sphere_tracing", "graded", "1.25", "2"] in rows
+
+
+def test_the_index_counts_statuses_means_and_tasks(tmp_path):
+    store(tmp_path, result("amy", checks=[check("1.1", "f", score=1), check("1.2", "g", score=2)]))
+    store(tmp_path, result("bob", checks=[check("1.1", "f", score=0), check("1.2", "g", score=2)]))
+    store(tmp_path, result("cy", status="rejected", message="not a notebook"))
+    write_page(json.loads((tmp_path / "results/amy/sphere_tracing.json").read_text()),
+               tmp_path / "results/amy/sphere_tracing.json", tmp_path)  # fmt: skip
+    write_index(tmp_path)
+    html = (tmp_path / "index.html").read_text()
+    read = Reader(html)
+    assert "Submissions 3 Mean score 62 %" in read.text  # (3/4 + 2/4) / 2
+    assert "Sphere tracing 2 graded 2.5 of 4 1.1 25 % 1.2 100 %" in read.text
+    assert [value for tag, name, value in read.attributes if tag == "a" and name == "href"] == [
+        "#submissions", "pages/amy/sphere_tracing.html"]  # fmt: skip
+
+
+def test_files_are_written_whole_or_not_at_all(tmp_path, monkeypatch):
+    store(tmp_path, result(checks=sample_checks()))
+    write_index(tmp_path)
+    write_grades(tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    assert {path.name for path in before} == {"sphere_tracing.json", "index.html", "grades.csv"}
+    monkeypatch.setattr("os.replace", lambda *paths: (_ for _ in ()).throw(OSError("disk gone")))
+    for write in (write_index, write_grades):
+        with pytest.raises(OSError, match="disk gone"):
+            write(tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_the_same_results_give_the_same_bytes_in_any_directory(tmp_path):
+    written = []
+    for name in ("a", "b"):
+        out = tmp_path / name
+        images = paint(out / "pages/amy/sphere_tracing", "1.2", size=16)
+        page_of(out, result(checks=[{**c, "images": images} for c in sample_checks()]))
+        store(out, result("bob", "soft_shadows"))
+        write_index(out)
+        write_grades(out)
+        written.append({p.relative_to(out): p.read_bytes() for p in out.rglob("*") if p.is_file()})
+    assert written[0] == written[1]
+
+
+def test_memory_stays_flat_and_ten_thousand_results_would_take_less_than_thirty_seconds(tmp_path):
+    def spend(count, start):
+        body = json.dumps(result("NAME", checks=[{**c, "prints": "x" * 4000} for c in sample_checks()]))
+        for i in range(start, count):
+            folder = tmp_path / "results" / f"s{i:05d}"
+            folder.mkdir(parents=True)
+            (folder / "sphere_tracing.json").write_text(body.replace("NAME", folder.name))
+        tracemalloc.start()
+        write_index(tmp_path)
+        write_grades(tmp_path)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return peak
+
+    first, second = spend(50, 0), spend(300, 50)
+    assert second - first < 250 * 4000  # less than the results themselves: 40 kB each
+    start = time.process_time()
+    write_index(tmp_path)
+    write_grades(tmp_path)
+    assert (time.process_time() - start) / 300 * 10_000 < 30
