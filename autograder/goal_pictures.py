@@ -1,7 +1,7 @@
 """Draws the goal pictures that open the notebooks: `python -m autograder.goal_pictures NAME...`.
 
-A goal is what the notebook's own `render(width, height)` makes with the reference's functions, so that what is
-promised at the top is what the reader gets at the end.
+A goal is what the notebook's own `render(width, height)` makes with the reference's functions: what is promised
+at the top is what the reader gets at the end.
 """
 
 import sys
@@ -40,14 +40,14 @@ def run_cells(name):
     -------
     dict            the names that the cells define
     """
-    import matplotlib
+    import matplotlib.pyplot as plt
 
-    matplotlib.use("Agg")
+    plt.switch_backend("Agg")
     namespace = {"__name__": name}
     for cell in build_source(name).cells:
         if cell.cell_type == "code" and not cell.source.startswith(("from autograder", "check(")):
             exec(compile(cell.source, f"{name}: {cell.id}", "exec"), namespace)
-            matplotlib.pyplot.close("all")
+            plt.close("all")
     return namespace
 
 

@@ -3,8 +3,8 @@
 The same sources give the same bytes: cell ids come from grade ids and positions, and nothing says when.
 
 A source is a percent script. Its cells say in `nbgrader={...}` only what differs from cell to cell:
-`"grade_id": NAME, "solution": true` for a function, `"grade_id": ID, "points": P` for a check, and all three for
-a question that a person marks.
+`"grade_id": NAME, "solution": true` for a function, `"grade_id": ID, "points": P` for a check, and all three
+for a question that a person marks.
 """
 
 import logging

@@ -14,7 +14,7 @@ def filled_notebook(name, replacements=None, fill=True):
     ----------
     name : str              an assignment that is released
     replacements : dict     function name -> source instead of the reference's; None: the cell as released
-    fill : bool             whether functions that are not named get the reference's source, or stay as released
+    fill : bool             whether functions that are not named get the reference's source
 
     Returns
     -------

@@ -297,7 +297,8 @@ def smooth_union(d1, d2, k):
 # We may only ask for values of $f$, so look a little to both sides, along each axis:
 #
 # $$\frac{\partial f}{\partial x} \approx
-# \frac{f(p + \varepsilon e_x) - f(p - \varepsilon e_x)}{2 \varepsilon}, \quad\text{and likewise for } y \text{ and } z .$$
+# \frac{f(p + \varepsilon e_x) - f(p - \varepsilon e_x)}{2 \varepsilon},
+# \quad\text{and likewise for } y \text{ and } z .$$
 #
 # Then bring the three numbers to length 1; common factors do not matter. Six values per point is the plain
 # way. Four are enough if you look towards the corners of a tetrahedron: with $k_i$ = $(1,-1,-1)$,
