@@ -10,7 +10,7 @@ __version__ = "0.1.0"
 _HOME = {
     "Camera": "camera",
     "Environment": "environment",
-    "EnvironmentLight": "environment",
+    "EnvironmentLight": "environment_light",
     "Mesh": "mesh",
     "hammersley": "sampling",
     "load_mesh": "mesh",
