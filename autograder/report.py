@@ -164,7 +164,7 @@ def _templates():
     env = jinja2.Environment(
         loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
-    env.filters.update(figure=_figure, points=_points, title=_title)
+    env.filters.update(figure=_figure, points=_points, count=_count, title=_title)
     return env
 
 
@@ -180,6 +180,11 @@ def _figure(value):
 def _points(value):
     """Marks, with two decimals at most."""
     return f"{value:.2f}".rstrip("0").rstrip(".")
+
+
+def _count(value):
+    """A whole number, its thousands set apart by narrow spaces that do not break."""
+    return f"{value:,.0f}".replace(",", "\u202f")
 
 
 def _title(name):

@@ -61,8 +61,8 @@ def _read(path):
         raise ValueError(f"{path.stat().st_size} bytes long, of {RESULT_BYTES} at most")
     try:
         result = json.loads(path.read_bytes(), parse_constant=lambda name: None)
-    except RecursionError:
-        raise ValueError("nested too deeply to be read") from None
+    except (ValueError, RecursionError) as reason:
+        raise ValueError(f"not JSON: {reason}") from None
     require_result(result)
     return result
 

@@ -33,6 +33,9 @@ heads.forEach((head, column) => {
   button.type = "button";
   button.textContent = head.textContent;
   button.addEventListener("click", () => sort(column, head.getAttribute("aria-sort") === "ascending"));
-  head.replaceChildren(button);
+  const printed = document.createElement("span"); // browsers leave buttons out of headings repeated on paper
+  printed.className = "printed";
+  printed.textContent = head.textContent;
+  head.replaceChildren(button, printed);
 });
 heads[0].setAttribute("aria-sort", "ascending");

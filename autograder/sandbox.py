@@ -1,0 +1,294 @@
+"""Processes for strangers' code: the strongest isolation that this machine really starts.
+
+A sandbox holds a zygote (`autograder.worker`) that sees the interpreter, the installed packages and `framework`, all
+read-only, a scratch folder of fixed size, and nothing else: no network, no home, no solutions, checks or references,
+no other submission. Each task gets a process of its own, forked from the zygote.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import os
+import select
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from autograder import wall
+
+ROOT = Path(__file__).resolve().parents[1]
+NAMESPACES_SECCOMP, NAMESPACES, PROCESS = "namespaces+seccomp", "namespaces", "process"
+STRENGTH = (NAMESPACES_SECCOMP, NAMESPACES, PROCESS)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a submission may use. Time limits lie far above need: they stop runaways and decide no mark."""
+
+    call_cpu_seconds: int = 10
+    call_wall_seconds: float = 20.0
+    submission_seconds: float = 120.0
+    memory_mb: int = 2048
+    file_mb: int = 64
+    output_bytes: int = 1 << 20
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How the process of a task ended, as its zygote saw it."""
+
+    code: int = 0
+    signal: int = 0
+    peak_memory_mb: float = 0.0
+    cpu_seconds: float = 0.0
+    clean: bool = True
+
+
+class Sandbox:
+    """A zygote behind the wall; use as a context manager, and ask it for tasks one after the other."""
+
+    def __init__(self, level, limits, forbidden_modules=()):
+        self.level, self.limits = level, limits
+        self._forbidden = tuple(forbidden_modules)
+        self._process = None
+
+    def __enter__(self):
+        self._home = tempfile.TemporaryDirectory(prefix="course-") if self.level == PROCESS else None
+        self._output, write = os.pipe()
+        os.set_blocking(self._output, False)
+        self.control, theirs = socket.socketpair()
+        inherited = [theirs.fileno()]
+        try:
+            outer = _seccomp_file(_OUTER) if self.level == NAMESPACES_SECCOMP else None
+            if outer is not None:
+                inherited.append(outer)
+            command = self._command(theirs.fileno(), outer)
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=write, stderr=write, pass_fds=inherited,
+                env=self._environment(), start_new_session=True, cwd=self._home.name if self._home else "/",
+            )  # fmt: skip
+        finally:
+            os.close(write)
+            for fd in inherited[1:]:
+                os.close(fd)
+            theirs.close()
+        self.control.settimeout(30)
+        try:
+            self.control.sendall(wall.pack_message(self._config()))
+            ready = self.control.recv(1)
+        except OSError:
+            ready = b""
+        if ready != b"r":
+            text = self.printed()
+            self.__exit__()
+            raise SandboxFailed(text.strip()[-500:] or "the isolated process did not start")
+        return self
+
+    def __exit__(self, *_):
+        self.control.close()
+        if self._process is not None:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._process.pid, signal.SIGKILL)
+            self._process.wait()
+            self._process = None
+        with contextlib.suppress(OSError):
+            os.close(self._output)
+        if self._home is not None:
+            self._home.cleanup()
+
+    def start_task(self):
+        """A socket to a fresh process for one task."""
+        ours, theirs = socket.socketpair()
+        with theirs:
+            socket.send_fds(self.control, [b"t"], [theirs.fileno()])
+        return ours
+
+    def end_task(self) -> Ended | None:
+        """Kill what the task left, and say how it ended; None where the sandbox itself is lost."""
+        try:
+            self.control.settimeout(20)
+            self.control.sendall(b"e")
+            block = b""
+            while len(block) < wall.ENDED.size:
+                part = self.control.recv(wall.ENDED.size - len(block))
+                if not part:
+                    return None
+                block += part
+        except OSError:
+            return None
+        code, signum, peak, cpu, left = wall.ENDED.unpack(block)
+        return Ended(code, signum, peak / 1024, cpu / 1000, left == 0)
+
+    def readable(self, link, deadline):
+        """Wait until `link` can be read, keeping the student's output flowing; False after `deadline`."""
+        while True:
+            rest = deadline - time.monotonic()
+            if rest <= 0:
+                return False
+            ready, _, _ = select.select([link, self._output], [], [], rest)
+            if self._output in ready and not self._drain():
+                select.select([link], [], [], rest)
+            if link in ready:
+                return True
+
+    def printed(self) -> str:
+        """What was printed since the last call, cut to the limit."""
+        self._drain()
+        text, self._kept = self._kept, bytearray()
+        return text.decode("utf-8", "replace")
+
+    _kept = bytearray()
+
+    def _drain(self):
+        while True:
+            try:
+                block = os.read(self._output, 1 << 16)
+            except BlockingIOError:
+                return True
+            if not block:
+                return False
+            room = self.limits.output_bytes - len(self._kept)
+            self._kept = self._kept + block[: max(room, 0)]
+
+    def _config(self):
+        inner = None
+        if self.level == NAMESPACES_SECCOMP:
+            fd = _seccomp_file(_INNER)
+            with os.fdopen(fd, "rb") as file:
+                inner = file.read()
+        return {
+            "blocked_packages": ["solutions", "autograder.checks", "autograder.mistakes"],
+            "own_pid_namespace": self.level != PROCESS,
+            "call_cpu_seconds": self.limits.call_cpu_seconds,
+            "memory_bytes": self.limits.memory_mb << 20,
+            "file_bytes": self.limits.file_mb << 20,
+            "seccomp": inner,
+        }
+
+    def _environment(self):
+        home = self._home.name if self._home else "/tmp"
+        keep = {name: os.environ[name] for name in ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE") if name in os.environ}
+        threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+        return keep | threads | {
+            "HOME": home, "TMPDIR": home, "MPLCONFIGDIR": home, "NUMBA_CACHE_DIR": home, "MPLBACKEND": "Agg",
+            "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8", "PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1",
+        }  # fmt: skip
+
+    def _command(self, control, seccomp):
+        root = str(ROOT) if self.level == PROCESS else "/course"
+        start = f"import sys; sys.path.insert(0, {root!r}); from autograder.worker import main; main({control})"
+        python = [sys.executable, "-s", "-P", "-c", start]
+        if self.level == PROCESS:
+            return python
+        return [*_bubblewrap(self._forbidden), *(["--seccomp", str(seccomp)] if seccomp is not None else []), *python]
+
+
+class SandboxFailed(Exception):
+    """The isolated process did not start."""
+
+
+@functools.cache
+def strongest_level() -> str:
+    """The strongest isolation that this machine starts, found by starting it."""
+    for level in STRENGTH[:-1]:
+        if level == NAMESPACES_SECCOMP and not _has_seccomp():
+            continue
+        try:
+            with Sandbox(level, Limits()) as sandbox:
+                sandbox.start_task().close()
+                if sandbox.end_task() is not None:
+                    return level
+        except (SandboxFailed, OSError):
+            continue
+    return PROCESS
+
+
+def _bubblewrap(forbidden):
+    """The command that starts a process with nothing but what a task needs."""
+    binds = []
+    if Path("/bin").is_symlink():
+        for name in ("bin", "lib", "lib64"):
+            if Path("/", name).is_symlink():
+                binds += ["--symlink", os.readlink(Path("/", name)), f"/{name}"]
+    else:
+        for name in ("/bin", "/lib", "/lib64"):
+            binds += ["--ro-bind-try", name, name]
+    binds += ["--ro-bind", "/usr", "/usr", "--ro-bind-try", "/etc/ld.so.cache", "/etc/ld.so.cache"]
+    for prefix in sorted({sys.base_prefix, sys.prefix}):
+        if not prefix.startswith("/usr"):
+            binds += ["--ro-bind", prefix, prefix]
+    packages = Path(sysconfig.get_path("purelib"))
+    for name in ("solutions", "autograder"):
+        if (packages / name).is_dir():
+            binds += ["--tmpfs", str(packages / name)]
+    binds += ["--ro-bind", str(ROOT / "framework"), "/course/framework"]
+    for module in forbidden:
+        binds += ["--ro-bind", "/dev/null", f"/course/framework/{module}.py"]
+    for name in ("wall.py", "worker.py"):
+        binds += ["--ro-bind", str(ROOT / "autograder" / name), f"/course/autograder/{name}"]
+    return [
+        "bwrap", "--unshare-user", "--unshare-all", "--disable-userns", "--die-with-parent", "--new-session",
+        "--cap-drop", "ALL", "--hostname", "sandbox", *binds, "--dev", "/dev",
+        "--size", str(64 << 20), "--tmpfs", "/tmp", "--size", str(8 << 20), "--tmpfs", "/dev/shm",
+        "--remount-ro", "/", "--chdir", "/tmp",
+    ]  # fmt: skip
+
+
+# System calls that no solution needs. The outer filter holds for the zygote too, which must fork.
+_OUTER = (
+    "ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "pidfd_getfd", "kcmp", "mount", "umount2",
+    "pivot_root", "chroot", "move_mount", "open_tree", "fsopen", "fsconfig", "fsmount", "fspick", "mount_setattr",
+    "unshare", "setns", "keyctl", "add_key", "request_key", "bpf", "perf_event_open", "userfaultfd",
+    "io_uring_setup", "io_uring_enter", "io_uring_register", "kexec_load", "kexec_file_load", "init_module",
+    "finit_module", "delete_module", "open_by_handle_at", "name_to_handle_at", "memfd_create", "memfd_secret",
+    "shmget", "shmat", "msgget", "semget", "mq_open", "personality", "quotactl", "swapon", "swapoff", "reboot",
+    "settimeofday", "clock_settime", "clock_adjtime", "adjtimex", "acct", "syslog", "lookup_dcookie", "vhangup",
+    "iopl", "ioperm", "modify_ldt", "fanotify_init", "inotify_init", "inotify_init1", "landlock_create_ruleset",
+    "socket", "connect", "bind", "listen", "accept", "accept4",
+)  # fmt: skip
+# The inner filter is laid over each task before the student's code runs: threads, but no further processes.
+_INNER = ("fork", "vfork", "execve", "execveat", "kill", "tkill", "pidfd_open", "pidfd_send_signal", "setsid")
+_CLONE_THREAD = 0x00010000
+
+
+def _has_seccomp():
+    try:
+        import pyseccomp  # noqa: F401
+    except (ImportError, OSError, RuntimeError):
+        return False
+    return True
+
+
+def _seccomp_file(names):
+    """A BPF program that lets `names` fail with EPERM, as an open file at its start."""
+    import errno
+
+    import pyseccomp as seccomp
+
+    program = seccomp.SyscallFilter(seccomp.ALLOW)
+    for name in names:
+        with contextlib.suppress(RuntimeError, ValueError, OSError):  # a call that this system does not know
+            program.add_rule(seccomp.ERRNO(errno.EPERM), name)
+    if names is _INNER:
+        # without flags that can be read in a register, libc falls back to clone
+        program.add_rule(seccomp.ERRNO(errno.ENOSYS), "clone3")
+        program.add_rule(seccomp.ERRNO(errno.EPERM), "clone",
+                         seccomp.Arg(0, seccomp.MASKED_EQ, _CLONE_THREAD, 0))  # fmt: skip
+    fd = os.memfd_create("seccomp")
+    with os.fdopen(os.dup(fd), "wb") as file:
+        program.export_bpf(file)
+    os.lseek(fd, 0, os.SEEK_SET)
+    return fd
+
+
+def which_bubblewrap() -> str | None:
+    """Where bubblewrap is, if it is installed."""
+    return shutil.which("bwrap")

@@ -1,0 +1,232 @@
+"""A student's functions as the checks call them: across the wall, or in memory beside the notebook."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import signal
+import time
+import traceback
+
+import numpy as np
+
+from autograder import wall
+from autograder.worker import _as_promised, _sentence, _WrongShape
+
+MAX_SERVED_CALLS = 200_000
+
+
+class Failure(Exception):
+    """A task, or a call in it, that cannot be judged: why, in one sentence, and as which status."""
+
+    def __init__(self, status, message, traceback=""):
+        super().__init__(message)
+        self.status, self.message, self.traceback = status, message, traceback
+
+
+class Counted:
+    """An SDF that counts the points handed to it."""
+
+    def __init__(self, sdf):
+        self._sdf, self.count = sdf, 0
+
+    def __call__(self, points):
+        points = np.asarray(points, dtype=float)
+        if points.ndim < 1 or points.shape[-1] != 3:
+            raise ValueError(f"sdf wants points of shape (N, 3), not {points.shape}")
+        self.count += points.size // 3
+        return self._sdf(points)
+
+    evaluate = __call__
+
+
+class Remote:
+    """A task's process behind the wall.
+
+    Parameters
+    ----------
+    sandbox : Sandbox
+    link : socket           the process's end of the wall
+    job : dict              cells, names to hide and to replace, see `worker.Task.run`
+    lower : dict            the references that the grader answers: name -> function
+    deadline : float        of the whole submission, on the monotonic clock
+    """
+
+    def __init__(self, sandbox, link, job, lower, deadline):
+        self._sandbox, self._link, self._limits = sandbox, link, sandbox.limits
+        self._served = list(lower.values())
+        self._final, self._calls = deadline, 0
+        self.cell, self.cell_failures = None, {}
+        self._start(job)
+
+    def call(self, name, arguments, returns):
+        """What the student's `name(*arguments)` returns, as float64 arrays of the promised shapes."""
+        kept = len(self._served)
+        try:
+            return self._ask(("call", name, [self._outgoing(a) for a in arguments], returns))
+        finally:
+            del self._served[kept:]
+
+    def stop(self):
+        """Let the process end by itself, so that its output is complete."""
+        with contextlib.suppress(OSError):
+            self._link.sendall(wall.pack_message(("stop",)))
+            self._link.settimeout(1)
+            self._link.recv(1)
+
+    def _start(self, job):
+        self._deadline = min(time.monotonic() + self._limits.call_wall_seconds, self._final)
+        self._send(job)
+        while True:
+            kind, category, count, number = self._header()
+            if kind == wall.LOADED:
+                return
+            if kind == wall.CELL:
+                self.cell = count
+            elif kind == wall.ERROR:
+                self.cell_failures[self.cell] = self._failure(category)
+            elif kind == wall.CALL:
+                self._serve(number, count)
+            else:
+                raise Failure("crashed", "the process sent what no task sends")
+
+    def _ask(self, message):
+        outer = getattr(self, "_deadline", 0.0)
+        self._deadline = min(time.monotonic() + self._limits.call_wall_seconds, self._final)
+        returns = message[3]
+        try:
+            self._send(message)
+            while True:
+                kind, category, count, number = self._header()
+                if kind == wall.VALUE and count == len(returns.shapes):
+                    return [
+                        np.frombuffer(self._read(8 * size), "<f8").reshape(shape).copy()
+                        for size, shape in zip(returns.sizes, returns.shapes, strict=True)
+                    ]
+                if kind == wall.ERROR:
+                    raise self._failure(category)
+                if kind != wall.CALL:
+                    raise Failure("crashed", "the process sent what no task sends")
+                self._serve(number, count)
+        except wall.Breach as breach:
+            raise Failure("crashed", f"the process broke the protocol: {breach}") from None
+        finally:
+            self._deadline = outer
+
+    def _serve(self, number, count):
+        """Answer a call of the student's to one of the grader's functions; its time is not the student's."""
+        arguments = wall.read_call(count, self._read)
+        self._calls += 1
+        begun = time.monotonic()
+        try:
+            if self._calls > MAX_SERVED_CALLS:
+                raise Failure("timeout", f"more than {MAX_SERVED_CALLS} calls to functions that the grader serves")
+            if number >= len(self._served):
+                raise ValueError("no such function")
+            with np.errstate(all="ignore"):
+                answer = ("answer", self._served[number](*[self._argument(*pair) for pair in arguments]))
+        except Failure:
+            raise
+        except Exception as refused:  # a wrong argument is the student's to hear of
+            answer = ("raise", _sentence(refused))
+        self._deadline += time.monotonic() - begun
+        self._send(answer)
+
+    def _argument(self, kind, value):
+        if kind == wall.SERVED:
+            return self._served[value]
+        if kind == wall.LOCAL:
+            return lambda points: self._ask(
+                ("local", value, [np.asarray(points)], wall.Returns((np.shape(points)[:-1],)))
+            )[0]
+        if kind == wall.PIXELS:
+            from framework.environment import Environment
+
+            return Environment(value)
+        if kind == wall.SEED:
+            return np.random.default_rng(abs(value))
+        return None if kind == wall.ABSENT else value
+
+    def _outgoing(self, value):
+        if callable(value) and not isinstance(value, type):
+            self._served.append(value)
+            return wall.Handle(len(self._served) - 1, getattr(value, "__name__", "sdf"))
+        return value
+
+    def _failure(self, category):
+        message, trace = wall.unpack_text(self._read(wall.TEXT.size))
+        status = {wall.MEMORY: "out_of_memory", wall.NOT_ATTEMPTED: "not_attempted"}.get(category, "error")
+        return Failure(status, message, trace)
+
+    def _send(self, message):
+        self._link.settimeout(max(self._deadline - time.monotonic(), 0.01))
+        try:
+            self._link.sendall(wall.pack_message(message))
+        except TimeoutError:
+            raise self._late() from None
+        except OSError:
+            raise Failure("crashed", "its process ended") from None
+
+    def _header(self):
+        return wall.HEADER.unpack(self._read(wall.HEADER.size))
+
+    def _read(self, size):
+        block = bytearray(size)
+        view = memoryview(block)
+        while view:
+            if not self._sandbox.readable(self._link, self._deadline):
+                raise self._late()
+            try:
+                count = self._link.recv_into(view)
+            except OSError:
+                count = 0
+            if not count:
+                raise Failure("crashed", "its process ended")
+            view = view[count:]
+        return bytes(block)
+
+    def _late(self):
+        if self._deadline >= self._final:
+            return Failure("timeout", f"the submission took over {self._limits.submission_seconds:g} s")
+        return Failure("timeout", f"a call took over {self._limits.call_wall_seconds:g} s")
+
+
+def why_ended(failure, ended, limits):
+    """The failure of a task whose process ended, told by how it ended."""
+    if failure.status != "crashed" or ended is None:
+        return failure
+    if ended.signal == signal.SIGXCPU:
+        return Failure("timeout", f"a call used over {limits.call_cpu_seconds} s of CPU time: does a loop never end?")
+    if ended.signal and ended.signal != signal.SIGKILL:
+        name = signal.Signals(ended.signal).name if ended.signal in set(signal.Signals) else str(ended.signal)
+        return Failure("crashed", f"the process died of {name}")
+    if ended.code or not ended.signal:
+        return Failure("crashed", f"the process ended itself with exit code {ended.code}")
+    return failure
+
+
+class InMemory:
+    """Functions of a running notebook, called in its own process."""
+
+    def __init__(self, namespace):
+        self._namespace = namespace
+
+    def call(self, name, arguments, returns):
+        function = self._namespace.get(name)
+        if not callable(function):
+            raise Failure("not_attempted", f"{name} is not defined yet: run its cell first")
+        arguments = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+        quiet = io.StringIO()
+        try:
+            with np.errstate(all="ignore"), contextlib.redirect_stdout(quiet):
+                return _as_promised(function(*arguments), returns)
+        except _WrongShape as wrong:
+            raise Failure("error", str(wrong)) from None
+        except NotImplementedError as failure:
+            raise Failure("not_attempted", _sentence(failure)) from None
+        except MemoryError as failure:
+            raise Failure("out_of_memory", _sentence(failure)) from None
+        except Exception as failure:
+            frames = traceback.extract_tb(failure.__traceback__)[1:]
+            lines = [f"line {f.lineno}, in {f.name}\n    {f.line}" for f in frames if "ipykernel" in f.filename]
+            raise Failure("error", _sentence(failure), "\n".join([*lines, _sentence(failure)])) from None
