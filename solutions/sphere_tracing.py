@@ -94,7 +94,7 @@ def sdf_sphere(p, center, radius):
 # this; all of section 1.7 is made of it.
 
 # %% tags=["active-ipynb"]
-# fw.show.sdf_slice(lambda p: sdf_sphere(p, center=(0, 0, 0), radius=1.0))
+# fw.show.sdf_slice(lambda p: sdf_sphere(p, center=(0, 0, 0), radius=1.0), axis="z")
 
 # %% [markdown]
 # ## 1.2 A box
@@ -147,7 +147,7 @@ def sdf_box(p, center, half_size):
 # the corner itself. Inside they stay sharp, along the lines where two faces are equally near.
 
 # %% tags=["active-ipynb"]
-# fw.show.sdf_slice(lambda p: sdf_box(p, center=(0, 0, 0), half_size=(1.2, 0.7, 0.5)))
+# fw.show.sdf_slice(lambda p: sdf_box(p, center=(0, 0, 0), half_size=(1.2, 0.7, 0.5)), axis="z")
 
 # %% [markdown]
 # ## 1.3 A torus
@@ -188,7 +188,7 @@ def sdf_torus(p, center, major_radius, minor_radius):
 # check("1.3")
 
 # %% tags=["active-ipynb"]
-# fw.show.sdf_slice(lambda p: sdf_torus(p, center=(0, 0, 0), major_radius=1.1, minor_radius=0.4))
+# fw.show.sdf_slice(lambda p: sdf_torus(p, center=(0, 0, 0), major_radius=1.1, minor_radius=0.4), axis="z")
 
 # %% [markdown]
 # ## 1.4 Blending two shapes
@@ -236,10 +236,12 @@ def blend(d1, d2, t):
 # check("1.4")
 
 # %% tags=["active-ipynb"]
+# def box_to_torus(p, t):
+#     return blend(sdf_box(p, (0, 0, 0), (1.2, 0.7, 0.5)), sdf_torus(p, (0, 0, 0), 1.1, 0.4), t)
+#
+#
 # for t in (0.0, 0.5, 1.0):
-#     fw.show.sdf_slice(
-#         lambda p: blend(sdf_box(p, (0, 0, 0), (1.2, 0.7, 0.5)), sdf_torus(p, (0, 0, 0), 1.1, 0.4), t)
-#     )
+#     fw.show.sdf_slice(lambda p: box_to_torus(p, t), axis="z", title=f"t = {t}")
 
 # %% [markdown]
 # ## 1.5 A union without a crease
@@ -281,10 +283,12 @@ def smooth_union(d1, d2, k):
 # check("1.5")
 
 # %% tags=["active-ipynb"]
+# def two_balls(p, k):
+#     return smooth_union(sdf_sphere(p, (-0.6, 0, 0), 0.8), sdf_sphere(p, (0.7, 0, 0), 0.6), k)
+#
+#
 # for k in (0.01, 0.4, 1.0):
-#     fw.show.sdf_slice(
-#         lambda p: smooth_union(sdf_sphere(p, (-0.6, 0, 0), 0.8), sdf_sphere(p, (0.7, 0, 0), 0.6), k)
-#     )
+#     fw.show.sdf_slice(lambda p: two_balls(p, k), axis="z", title=f"k = {k}")
 
 # %% [markdown]
 # ## 1.6 Which way the surface faces
@@ -336,9 +340,9 @@ def estimate_normal(sdf, p, eps):
 # check("1.6")
 
 # %% [markdown]
-# Each pixel below is a point of the slice $z = 0$ and shows the direction away from the nearest surface:
-# red for $x$, green for $y$, and mid grey for 0. Follow a ray from the middle of the tube outwards: the
-# colour does not change until another part of the torus becomes the nearest.
+# Each pixel below is a point of the slice $z = 0$ and shows the direction away from the nearest surface: red
+# for $x$, green for $y$, blue for $z$, from 0 for $-1$ to full for $+1$. Follow a line from the middle of the
+# tube outwards: the colour does not change until another part of the torus becomes the nearest.
 
 # %% tags=["active-ipynb"]
 # size = 240
@@ -526,9 +530,7 @@ def sphere_trace(sdf, origin, direction, t_max, eps, max_steps):
 #     return counts
 #
 #
-# counts = evaluations_per_ray(300, 200)
-# print(f"{counts.mean():.1f} evaluations per ray on average, {counts.max():.0f} at most")
-# fw.show.march_heat_map(counts)
+# fw.show.march_heat_map(evaluations_per_ray(300, 200))
 
 # %% [markdown]
 # ## A question
