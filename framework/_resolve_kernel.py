@@ -5,14 +5,14 @@ from numba import njit, prange
 
 
 @njit(parallel=True, cache=True, nogil=True, error_model="numpy")
-def resolve(
-    threads, triangle, faces, vertices, normals, uvs, origin, rays, near, depth, barycentric, position, normal, uv
-):  # fmt: skip
-    """Fill those of the last five arrays that are not empty. `rays` takes (column, row, 1) to a ray of depth 1.
+def resolve(threads, triangle, mesh, normals, uvs, origin, rays, near, channels):
+    """Fill the channels (H, W, ...) that are not empty; `rays` takes (column, row, 1) to a ray of depth 1.
 
-    The point is `v0 + u e1 + v e2 = origin + depth ray`, solved by Cramer's rule: every determinant is the product of
-    the ray with a vector that depends on the face alone, and neighbours mostly see the same face.
+    The point is `v0 + u e1 + v e2 = origin + depth ray`, solved by Cramer's rule: each determinant is the
+    product of the ray with a vector that depends on the face alone, and neighbours mostly see the same face.
     """
+    faces, vertices = mesh
+    depth, barycentric, position, normal, uv = channels
     height, width = triangle.shape
     for thread in prange(threads):
         for row in range(thread, height, threads):
@@ -54,11 +54,9 @@ def resolve(
                 if depth.size:
                     depth[row, column] = t
                 if barycentric.size:
-                    barycentric[row, column, 0], barycentric[row, column, 1], barycentric[row, column, 2] = (
-                        w,
-                        u,
-                        v,
-                    )
+                    barycentric[row, column, 0] = w
+                    barycentric[row, column, 1] = u
+                    barycentric[row, column, 2] = v
                 if position.size:
                     position[row, column, 0] = origin[0] + t * dx
                     position[row, column, 1] = origin[1] + t * dy

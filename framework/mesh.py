@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from framework.arrays import as_positive, as_vector, dot, normalize, orthonormal_frame
+from framework.arrays import as_positive, as_vector, normalize, orthonormal_frame
 
 _FORMATS = (".obj", ".ply", ".stl", ".glb")
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numba
 import numpy as np
 
+from framework import _raster_grid as grid
 from framework import _raster_kernels as kernels
 from framework._resolve_kernel import resolve
 from framework.arrays import as_positive
@@ -60,14 +61,13 @@ class GBuffer:
         resolve(
             numba.get_num_threads(),
             self.triangle,
-            mesh.faces,
-            mesh.vertices,
+            (mesh.faces, mesh.vertices),
             none if mesh.normals is None else mesh.normals,
             none if mesh.uv is None else mesh.uv,
             self._camera.position,
             np.linalg.inv(_pixel_matrix(self._camera, width, height)),
             self._near,
-            *out.values(),
+            tuple(out.values()),
         )
         return {name: out[name] if name in wanted else None for name in names}
 
@@ -114,12 +114,10 @@ def _pixel_matrix(camera, width, height):
 
 def _visibility(mesh, camera, width, height, near, front, back):
     x, y, w = _pixel_matrix(camera, width, height)
-    matrix = np.stack(
-        [(x - (width // 2 + 0.5) * w) * kernels.ONE, (y - (height // 2 + 0.5) * w) * kernels.ONE, w]
-    )
+    matrix = np.stack([(x - (width // 2 + 0.5) * w) * grid.ONE, (y - (height // 2 + 0.5) * w) * grid.ONE, w])
     view = (mesh.vertices, matrix, camera.position, near)
     xy = np.empty((len(mesh.vertices), 4), np.int32)
-    kernels.project(*view, xy, xy.view(np.float32))
+    grid.project(*view, xy, xy.view(np.float32))
 
     tiles_x, tiles_y = -(-width // kernels.TILE), -(-height // kernels.TILE)
     codes = np.empty(len(mesh.faces), np.uint32)
