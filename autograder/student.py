@@ -11,7 +11,6 @@ import traceback
 import numpy as np
 
 from autograder import wall
-from autograder.worker import _as_promised, _sentence, _WrongShape
 
 MAX_SERVED_CALLS = 200_000
 
@@ -47,17 +46,33 @@ class Remote:
     ----------
     sandbox : Sandbox
     link : socket           the process's end of the wall
-    job : dict              cells, names to hide and to replace, see `worker.Task.run`
     lower : dict            the references that the grader answers: name -> function
     deadline : float        of the whole submission, on the monotonic clock
     """
 
-    def __init__(self, sandbox, link, job, lower, deadline):
+    def __init__(self, sandbox, link, lower, deadline):
         self._sandbox, self._link, self._limits = sandbox, link, sandbox.limits
         self._served = list(lower.values())
-        self._final, self._calls = deadline, 0
+        self._final = self._deadline = deadline
+        self._calls = 0
         self.cell, self.cell_failures = None, {}
-        self._start(job)
+
+    def load(self, job):
+        """Run the submission's cells in the process; `cell` is the one that runs, failures are kept by cell."""
+        self._deadline = min(time.monotonic() + self._limits.call_wall_seconds, self._final)
+        self._send(job)
+        while True:
+            kind, category, count, number = self._header()
+            if kind == wall.LOADED:
+                return
+            if kind == wall.CELL:
+                self.cell = count
+            elif kind == wall.ERROR:
+                self.cell_failures[self.cell] = self._failure(category)
+            elif kind == wall.CALL:
+                self._serve(number, count)
+            else:
+                raise Failure("crashed", "the process sent what no task sends")
 
     def call(self, name, arguments, returns):
         """What the student's `name(*arguments)` returns, as float64 arrays of the promised shapes."""
@@ -74,24 +89,8 @@ class Remote:
             self._link.settimeout(1)
             self._link.recv(1)
 
-    def _start(self, job):
-        self._deadline = min(time.monotonic() + self._limits.call_wall_seconds, self._final)
-        self._send(job)
-        while True:
-            kind, category, count, number = self._header()
-            if kind == wall.LOADED:
-                return
-            if kind == wall.CELL:
-                self.cell = count
-            elif kind == wall.ERROR:
-                self.cell_failures[self.cell] = self._failure(category)
-            elif kind == wall.CALL:
-                self._serve(number, count)
-            else:
-                raise Failure("crashed", "the process sent what no task sends")
-
     def _ask(self, message):
-        outer = getattr(self, "_deadline", 0.0)
+        outer = self._deadline
         self._deadline = min(time.monotonic() + self._limits.call_wall_seconds, self._final)
         returns = message[3]
         try:
@@ -128,7 +127,7 @@ class Remote:
         except Failure:
             raise
         except Exception as refused:  # a wrong argument is the student's to hear of
-            answer = ("raise", _sentence(refused))
+            answer = ("raise", wall.sentence(refused))
         self._deadline += time.monotonic() - begun
         self._send(answer)
 
@@ -219,14 +218,14 @@ class InMemory:
         quiet = io.StringIO()
         try:
             with np.errstate(all="ignore"), contextlib.redirect_stdout(quiet):
-                return _as_promised(function(*arguments), returns)
-        except _WrongShape as wrong:
+                return wall.as_promised(function(*arguments), returns)
+        except wall.WrongShape as wrong:
             raise Failure("error", str(wrong)) from None
         except NotImplementedError as failure:
-            raise Failure("not_attempted", _sentence(failure)) from None
+            raise Failure("not_attempted", wall.sentence(failure)) from None
         except MemoryError as failure:
-            raise Failure("out_of_memory", _sentence(failure)) from None
+            raise Failure("out_of_memory", wall.sentence(failure)) from None
         except Exception as failure:
             frames = traceback.extract_tb(failure.__traceback__)[1:]
             lines = [f"line {f.lineno}, in {f.name}\n    {f.line}" for f in frames if "ipykernel" in f.filename]
-            raise Failure("error", _sentence(failure), "\n".join([*lines, _sentence(failure)])) from None
+            raise Failure("error", wall.sentence(failure), "\n".join([*lines, wall.sentence(failure)])) from None

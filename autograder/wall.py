@@ -7,6 +7,7 @@ was checked against limits has announced. Nothing that a student sends is unpick
 
 from __future__ import annotations
 
+import contextlib
 import pickle
 import struct
 from dataclasses import dataclass
@@ -132,3 +133,56 @@ def _product(shape):
     for axis in shape:
         result *= axis
     return result
+
+
+class WrongShape(Exception):
+    """A result is not of the shape that was promised."""
+
+
+def as_promised(result, returns):
+    """The result as float64 arrays of exactly the shapes that the grader fixed."""
+    parts = result if returns.sequence else (result,)
+    if returns.sequence:
+        try:
+            parts = list(parts)
+        except TypeError:
+            raise WrongShape(f"returned {_describe(result)}, not {_promise(returns)}") from None
+        if len(parts) != len(returns.shapes):
+            raise WrongShape(f"returned {len(parts)} values, not {_promise(returns)}")
+    arrays = []
+    for part, shape in zip(parts, returns.shapes, strict=True):
+        try:
+            array = np.asarray(part)
+        except ValueError:
+            raise WrongShape(f"returned a ragged sequence, not {_promise(returns)}") from None
+        if array.dtype.kind not in "biuf" or array.shape != shape:
+            raise WrongShape(f"returned {_describe(part)}, not {_promise(returns)}")
+        arrays.append(np.ascontiguousarray(array, dtype="<f8"))
+    return arrays
+
+
+def _promise(returns):
+    shapes = [f"shape {shape}" if shape else "a number" for shape in returns.shapes]
+    if not returns.sequence:
+        return f"an array of {shapes[0]}" if returns.shapes[0] else "a number"
+    return f"{len(shapes)} arrays of " + (shapes[0] if len(set(shapes)) == 1 else ", ".join(shapes))
+
+
+def _describe(value):
+    array = value if isinstance(value, np.ndarray) else None
+    if array is None and isinstance(value, (list, tuple, int, float, np.generic)):
+        with contextlib.suppress(ValueError):
+            array = np.asarray(value)
+    if array is None or array.dtype.kind not in "biufc":
+        return f"a value of type {type(value).__name__}"
+    kind = "complex numbers" if array.dtype.kind == "c" else "numbers"
+    return f"an array of {kind} of shape {array.shape}" if array.shape else "a single number"
+
+
+def sentence(failure) -> str:
+    """An exception in one line; one whose text cannot be had is named."""
+    try:
+        text = str(failure)
+    except BaseException:
+        text = ""
+    return f"{type(failure).__name__}: {text}" if text else type(failure).__name__

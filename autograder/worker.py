@@ -11,6 +11,7 @@ import contextlib
 import linecache
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -206,12 +207,12 @@ class Task:
                     self._error(wall.MISSING, f"{which} is not defined in its cell", "")
                     return
             result = function(*[self._incoming(a) for a in arguments])
-            arrays = _as_promised(result, returns)
+            arrays = wall.as_promised(result, returns)
             _flush()
-        except _WrongShape as wrong:
+        except wall.WrongShape as wrong:
             self._error(wall.SHAPE, str(wrong), "")
         except BaseException as failure:  # whatever a student's code raises is an answer
-            self._error(_category(failure), _sentence(failure), self._traceback(failure))
+            self._error(_category(failure), wall.sentence(failure), self._traceback(failure))
         else:
             header = wall.HEADER.pack(wall.VALUE, 0, len(arrays), 0)
             self.link.sendall(header + b"".join(a.tobytes() for a in arrays))
@@ -230,10 +231,10 @@ class Task:
             filename = f"<cell {grade_id}>"
             linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
             try:
-                exec(compile(source, filename, "exec"), namespace)
+                exec(_compiled(source, filename), namespace)
             except BaseException as failure:
                 self._error(wall.SYNTAX if isinstance(failure, SyntaxError) else _category(failure),
-                            _sentence(failure), self._traceback(failure))  # fmt: skip
+                            wall.sentence(failure), self._traceback(failure))  # fmt: skip
         return namespace
 
     def _forbid(self, modules, task):
@@ -284,8 +285,17 @@ class Task:
         if isinstance(failure, SyntaxError):
             lines.append("".join(traceback.format_exception_only(failure)).rstrip())
         else:
-            lines.append(_sentence(failure))
+            lines.append(wall.sentence(failure))
         return "\n".join(lines)
+
+
+def _compiled(source, filename):
+    """Code of a cell; where it does not parse, lines that only a notebook understands are left out."""
+    try:
+        return compile(source, filename, "exec")
+    except SyntaxError:
+        plain = re.sub(r"^(\s*)([%!]{1,2}[A-Za-z].*)$", r"\1pass  # \2", source, flags=re.MULTILINE)
+        return compile(plain, filename, "exec")
 
 
 class Served:
@@ -336,62 +346,10 @@ def _flush():
         sys.stderr.flush()
 
 
-class _WrongShape(Exception):
-    pass
-
-
-def _as_promised(result, returns):
-    """The result as float64 arrays of exactly the shapes that the grader fixed."""
-    parts = result if returns.sequence else (result,)
-    if returns.sequence:
-        try:
-            parts = list(parts)
-        except TypeError:
-            raise _WrongShape(f"returned {_describe(result)}, not {_promise(returns)}") from None
-        if len(parts) != len(returns.shapes):
-            raise _WrongShape(f"returned {len(parts)} values, not {_promise(returns)}")
-    arrays = []
-    for part, shape in zip(parts, returns.shapes, strict=True):
-        try:
-            array = np.asarray(part)
-        except ValueError:
-            raise _WrongShape(f"returned a ragged sequence, not {_promise(returns)}") from None
-        if array.dtype.kind not in "biuf" or array.shape != shape:
-            raise _WrongShape(f"returned {_describe(part)}, not {_promise(returns)}")
-        arrays.append(np.ascontiguousarray(array, dtype="<f8"))
-    return arrays
-
-
-def _promise(returns):
-    shapes = [f"shape {shape}" if shape else "a number" for shape in returns.shapes]
-    if not returns.sequence:
-        return f"an array of {shapes[0]}" if returns.shapes[0] else "a number"
-    return f"{len(shapes)} arrays of " + (shapes[0] if len(set(shapes)) == 1 else ", ".join(shapes))
-
-
-def _describe(value):
-    array = value if isinstance(value, np.ndarray) else None
-    if array is None and isinstance(value, (list, tuple, int, float, np.generic)):
-        with contextlib.suppress(ValueError):
-            array = np.asarray(value)
-    if array is None or array.dtype.kind not in "biufc":
-        return f"a value of type {type(value).__name__}"
-    kind = "complex numbers" if array.dtype.kind == "c" else "numbers"
-    return f"an array of {kind} of shape {array.shape}" if array.shape else "a single number"
-
-
 def _category(failure):
     if isinstance(failure, MemoryError):
         return wall.MEMORY
     return wall.NOT_ATTEMPTED if isinstance(failure, NotImplementedError) else wall.EXCEPTION
-
-
-def _sentence(failure):
-    try:
-        text = str(failure)
-    except BaseException:
-        text = ""
-    return f"{type(failure).__name__}: {text}" if text else type(failure).__name__
 
 
 def _receive(link):

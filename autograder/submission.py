@@ -1,0 +1,168 @@
+"""A stranger's notebook as data: the source of its solution cells, by grade_id, and nothing else."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+MAX_BYTES = 30 << 20
+
+
+class Rejected(Exception):
+    """A file that is no submission: why, in one plain sentence."""
+
+
+@dataclass(frozen=True)
+class Released:
+    """What students got: solution cells in their order, with the points of the checks under them."""
+
+    assignment: str
+    version: str
+    cells: dict[str, str]
+    points: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Submission:
+    """The solution cells of a submission, in the released order; `changed` are those that are not as released."""
+
+    assignment: str
+    version: str
+    cells: dict[str, str]
+    changed: frozenset[str]
+    sha256: str
+
+
+def read(path, assignment=None) -> Submission:
+    """The solution cells of the notebook at `path`.
+
+    Parameters
+    ----------
+    path : path             a file that may hold anything
+    assignment : str        which assignment to read it as; by default the one that it names, or its stem does
+
+    Raises
+    ------
+    Rejected                where the file cannot be read as a submission
+    """
+    block = _block(Path(path))
+    notebook = _parse(block)
+    assignment = assignment or assignment_of(notebook, Path(path).stem)
+    if assignment is None:
+        raise Rejected("the notebook does not say which assignment it belongs to")
+    released = release_of(assignment)
+    cells: dict[str, list[str]] = {}
+    for cell in _code_cells(notebook):
+        grade_id = _grade_id(cell)
+        if grade_id in released.cells:
+            # a cell that was split or copied has its id twice: in order, as the notebook would run them
+            cells.setdefault(grade_id, []).append(_source(cell))
+    sources = {grade_id: "\n\n".join(cells[grade_id]) for grade_id in released.cells if grade_id in cells}
+    if not sources:
+        raise Rejected("none of the assignment's solution cells is in the notebook: their marks are lost")
+    changed = {g for g, source in sources.items() if _bare(source) != _bare(released.cells[g])}
+    course = notebook.get("metadata", {}).get("course", {})
+    version = course.get("version") if isinstance(course, dict) else None
+    return Submission(assignment, str(version or ""), sources,
+                      frozenset(changed), hashlib.sha256(block).hexdigest())  # fmt: skip
+
+
+def named_assignment(path) -> str | None:
+    """The assignment of a file, or None where it cannot be told."""
+    path = Path(path)
+    try:
+        return assignment_of(_parse(_block(path)), path.stem)
+    except Rejected:
+        return path.stem if path.stem in known_assignments() else None
+
+
+def assignment_of(notebook, stem) -> str | None:
+    """The assignment that a notebook's metadata names, else the one that its file's name does."""
+    metadata = notebook.get("metadata")
+    course = metadata.get("course") if isinstance(metadata, dict) else None
+    named = course.get("assignment") if isinstance(course, dict) else None
+    known = known_assignments()
+    if isinstance(named, str) and named in known:
+        return named
+    return stem if stem in known else None
+
+
+@cache
+def known_assignments() -> tuple[str, ...]:
+    """The assignments that are released."""
+    return tuple(sorted(p.parent.name for p in (ROOT / "assignments").glob("*/*.ipynb") if p.stem == p.parent.name))
+
+
+@cache
+def release_of(assignment) -> Released:
+    """The released notebook of an assignment."""
+    path = ROOT / "assignments" / assignment / f"{assignment}.ipynb"
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    cells, points, last = {}, {}, None
+    for cell in notebook["cells"]:
+        mark = cell["metadata"].get("nbgrader", {})
+        if cell["cell_type"] != "code":
+            continue
+        if mark.get("solution"):
+            last = mark["grade_id"]
+            cells[last] = _source(cell)
+        elif mark.get("grade") and last is not None:
+            points[last] = float(mark["points"])
+    return Released(assignment, notebook["metadata"]["course"]["version"], cells, points)
+
+
+def _block(path):
+    try:
+        if not path.is_file() or path.is_symlink():
+            raise Rejected("not a regular file")
+        with path.open("rb") as file:
+            block = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise Rejected(f"the file cannot be read: {error.strerror}") from None
+    if len(block) > MAX_BYTES:
+        raise Rejected(f"the file is larger than {MAX_BYTES >> 20} MB: clear the notebook's outputs and hand it in again")
+    return block
+
+
+def _parse(block):
+    try:
+        notebook = json.loads(block.decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        raise Rejected("the file is not a notebook: it is not text in UTF-8") from None
+    except RecursionError:
+        raise Rejected("the file is not a notebook: its JSON is nested too deeply") from None
+    except ValueError as error:
+        where = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
+        raise Rejected(f"the file is not a notebook: it is not valid JSON{where}") from None
+    if not isinstance(notebook, dict) or not isinstance(notebook.get("cells"), list):
+        raise Rejected("the file is not a notebook of format 4: it has no list of cells")
+    if not isinstance(notebook.get("metadata", {}), dict):
+        notebook["metadata"] = {}
+    return notebook
+
+
+def _code_cells(notebook):
+    return [c for c in notebook["cells"] if isinstance(c, dict) and c.get("cell_type") == "code"]
+
+
+def _grade_id(cell):
+    metadata = cell.get("metadata")
+    mark = metadata.get("nbgrader") if isinstance(metadata, dict) else None
+    grade_id = mark.get("grade_id") if isinstance(mark, dict) else None
+    return grade_id if isinstance(grade_id, str) else None
+
+
+def _source(cell):
+    source = cell.get("source", "")
+    if isinstance(source, list):
+        source = "".join(part for part in source if isinstance(part, str))
+    return source if isinstance(source, str) else ""
+
+
+def _bare(source):
+    return [line.rstrip() for line in source.splitlines() if line.strip()]
+
