@@ -29,7 +29,7 @@ def draw(name):
     smooth = np.clip(image, 0, 1).reshape(HEIGHT, OVERSAMPLING, WIDTH, OVERSAMPLING, 3).mean(axis=(1, 3))
     path = ROOT / "solutions" / "pictures" / f"{name}.png"
     path.parent.mkdir(exist_ok=True)
-    fw.write_image(path, smooth)
+    fw.write_image(path, fw.tone_map(smooth))
     return path
 
 
