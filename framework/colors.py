@@ -12,9 +12,9 @@ BACKGROUND = np.array([139, 143, 153], np.uint8)
 
 
 def _table(*anchors):
-    """`(256, 3)` uint8: even steps between the anchors, which are hexadecimal sRGB."""
+    """`(255, 3)` uint8, so that it has a middle: even steps between the anchors, hexadecimal sRGB."""
     rgb = np.array([list(bytes.fromhex(anchor)) for anchor in anchors], float)
-    at = np.linspace(0, len(anchors) - 1, 256)
+    at = np.linspace(0, len(anchors) - 1, 255)
     channels = [np.interp(at, np.arange(len(anchors)), rgb[:, channel]) for channel in range(3)]
     return np.rint(np.stack(channels, axis=1)).astype(np.uint8)
 
@@ -24,7 +24,7 @@ SEQUENTIAL = _table("11142e", "28397a", "1f6e96", "2c9d8c", "86c267", "f0dc4e", 
 # Inside, blue, to outside, orange: palest at the surface, where the hue changes at once.
 _INSIDE = _table("0a2a5c", "2465a8", "5f9fd4", "a5cdec")
 _OUTSIDE = _table("fdeacd", "f5b568", "d17a22", "7c3e08")
-DISTANCE = np.concatenate([_INSIDE[::2], _OUTSIDE[::2]])
+DISTANCE = np.concatenate([_INSIDE, _OUTSIDE])
 # Too small, purple, to too large, green; white where right.
 SIGNED_ERROR = _table("4a1c74", "8a5fb0", "c9b3dc", "f7f7f7", "afdcb0", "4fa363", "0e5a30")
 # No error, white, to the largest, brown.
@@ -40,7 +40,7 @@ def from_table(values, low, high, table):
     ----------
     values : (H, W) float       NaN and infinities allowed
     low, high : float           values at the two ends of the table; beyond them the ends are held
-    table : (256, 3) uint8
+    table : (K, 3) uint8
 
     Returns
     -------
@@ -50,7 +50,7 @@ def from_table(values, low, high, table):
     finite = np.isfinite(values)
     # Halves, so that the width of any range of float64 is a float64.
     position = (np.where(finite, np.clip(values, low, high), low) / 2 - low / 2) / (high / 2 - low / 2)
-    return _with_unshowable(table[np.rint(255 * position).astype(int)], values)
+    return _with_unshowable(table[np.rint((len(table) - 1) * position).astype(int)], values)
 
 
 def from_distance(distance, limit, step):
@@ -68,7 +68,9 @@ def from_distance(distance, limit, step):
     """
     distance = np.asarray(distance, float)
     colors = from_table(distance, -limit, limit, DISTANCE).astype(float)
-    d = np.clip(np.where(np.isfinite(distance), distance, limit), -limit, limit)
+    # In units of the limit, where no difference of two values overflows.
+    d = np.clip(np.where(np.isfinite(distance), distance, limit), -limit, limit) / limit
+    step = step / limit
     slope = np.hypot(_steepest(d, 0), _steepest(d, 1))
     slope = np.where(slope > 1e-6 * step, slope, np.inf)  # no lines across plateaus
 

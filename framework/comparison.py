@@ -8,6 +8,9 @@ from framework import colors
 
 KINDS = ("distance", "scalar", "color", "mask")
 
+# A range of values smaller than this counts as one value: its parts would not be numbers of full precision.
+_LEAST = 1e-300
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
@@ -102,11 +105,11 @@ def value_range(values, kind):
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     if kind == "distance":
         high = max(abs(low), abs(high))
-        return (-high, high) if high > 0 else (-1.0, 1.0)
+        return (-high, high) if high > _LEAST else (-1.0, 1.0)
     if 0 < low <= high / 4:
         low = 0.0  # scales read best from zero, where that costs little contrast
-    if low == high:
-        return (0.0, high) if high > 0 else (low, low + 1.0 + abs(low))
+    if high / 2 - low / 2 < _LEAST:
+        return (0.0, high) if high > _LEAST else (low, low + 1.0 + abs(low))
     return low, high
 
 
@@ -125,7 +128,7 @@ def _scale(error, size):
     """A round number that all but a few differences stay below; rounding errors of float32 stay invisible."""
     finite = np.abs(error[np.isfinite(error)])
     top = float(np.percentile(finite, 99)) if finite.size else 0.0
-    return colors.round_up(min(max(top, 1e-6 * size, 1e-300), 1e300))
+    return colors.round_up(min(max(top, 1e-6 * size, _LEAST), 1e300))
 
 
 def _caption(error, yours, expected, scale, sign):
