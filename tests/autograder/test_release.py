@@ -5,8 +5,11 @@ import sys
 from pathlib import Path
 
 import nbformat
+import numpy as np
 import pytest
 
+import framework as fw
+from autograder.goal_pictures import run_cells
 from autograder.release import ASSIGNMENTS, ROOT, build_source, release, write_source
 from autograder.samples import filled_notebook, solution_sources
 
@@ -93,6 +96,15 @@ def test_a_solution_cell_needs_only_np_fw_and_the_cells_above(name):
     for grade_id, source in solution_sources(name).items():
         exec(source, namespace)
         assert callable(namespace[grade_id])
+
+
+@pytest.mark.parametrize("name", ASSIGNMENTS)
+def test_the_notebook_ends_in_the_picture_that_it_promised(name):
+    image = run_cells(name)["render"](180, 120)
+    goal = (
+        fw.read_image(ROOT / "assignments" / name / "goal.png").reshape(120, 4, 180, 4, 3).mean(axis=(1, 3))
+    )
+    assert np.abs(fw.tone_map(image) - goal).mean() < 0.02, f"run `python -m autograder.goal_pictures {name}`"
 
 
 def test_a_filled_notebook_holds_the_solutions_the_replacements_and_the_stubs_asked_for():
