@@ -14,8 +14,7 @@
 # %% [markdown]
 # # Soft shadows
 #
-# ![A ring, a ball and a box on a floor, with shadows that are sharp at the foot and soft further
-# out](goal.png)
+# ![A ring, a ball and a box; their shadows are sharp at the foot and soft further out](goal.png)
 #
 # Look at the shadow of a lamp post: sharp at its foot, blurred at its tip. Lights have a size, and a point
 # in the blur sees a part of the light. To find out how large a part, one would send many rays to the light.
@@ -25,9 +24,9 @@
 # You need the idea of the notebook `sphere_tracing`: the value of a signed distance field at a point is the
 # radius of an empty ball about it. The fields themselves come from `fw.sdf` here.
 #
-# **How it works.** Each section explains one idea and asks for one function. Write it in place of `raise
-# NotImplementedError()`, run the cell, then run the `check` under it: it tells you what it found, how far
-# off you are and how far off you may be, and shows three pictures: yours, the expected one, and the
+# **How it works.** Each section explains one idea and asks for one function. Write it in place of
+# `raise NotImplementedError()`, run the cell, then run the `check` under it: it tells you what it found,
+# how far off you are and how far off you may be, and shows three pictures: yours, the expected one, and the
 # difference. You may run it as often as you like. If a cell stops with a `NotImplementedError`, the line
 # above the error names the function that is still to be written.
 #
@@ -62,8 +61,8 @@ import numpy as np
 # narrowest place: the **smallest** angle of all visited points. The smaller it is, the closer something
 # comes to the line between $o$ and the light, and the less of the light can be seen.
 #
-# Mind the ends. On and inside an object ($h \le 0$) the angle is 0. Where the ball holds $o$ itself ($h \ge
-# t$), there is no tangent, and the angle is as large as it gets, $\pi/2$. At $t \le 0$ outside of objects
+# Mind the ends. On and inside an object ($h \le 0$) the angle is 0. Where the ball holds $o$ itself
+# ($h \ge t$), there is no tangent, and the angle is as large as it gets, $\pi/2$. At $t \le 0$ outside of objects
 # it is $\pi/2$, too. `np.where` chooses between cases, but computes both: see to it that it never divides
 # by zero or asks for the arcsine of 2.
 
@@ -368,8 +367,8 @@ def soft_shadow(sdf, origin, to_light, k, t_min, t_max, max_steps):
 #
 # $$\theta = \arcsin \frac{h}{t}, \qquad x = \frac{\theta}{\theta_L} .$$
 #
-# Negative now says by how much the line to the light's centre is buried. $x = 1$: the light is free. $x =
-# -1$: all of it is hidden, and the march may stop. Between the two, take the edge of the object for a
+# Negative now says by how much the line to the light's centre is buried. $x = 1$: the light is free.
+# $x = -1$: all of it is hidden, and the march may stop. Between the two, take the edge of the object for a
 # straight line across the disc, at $x$ radii from its centre. The part on the free side is a segment of a
 # circle, and its share of the disc is
 #

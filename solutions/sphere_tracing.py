@@ -17,15 +17,15 @@
 # ![Four shapes on a slab, in the light of a low sun](goal.png)
 #
 # This is where you are going: a picture without a single triangle. Everything in it is described by one
-# function that says, for any point in space, how far away the nearest surface is. You will write that
-# function, and seven small ones in all, and then find where the camera's rays meet the surface by an idea
-# that fits in one sentence: *as far as the distance allows, it is safe to walk.*
+# function that says, for any point in space, how far away the nearest surface is. You will put it together
+# from small functions of your own, and then find where the camera's rays meet the surface by an idea that
+# fits in one sentence: *as far as the distance allows, it is safe to walk.*
 #
 # You need to know vectors and a little NumPy. Nothing else is assumed.
 #
-# **How it works.** Each section explains one idea and asks for one function. Write it in place of `raise
-# NotImplementedError()`, run the cell, then run the `check` under it: it tells you what it found, how far
-# off you are and how far off you may be, and shows three pictures: yours, the expected one, and the
+# **How it works.** Each section explains one idea and asks for one function. Write it in place of
+# `raise NotImplementedError()`, run the cell, then run the `check` under it: it tells you what it found,
+# how far off you are and how far off you may be, and shows three pictures: yours, the expected one, and the
 # difference. You may run it as often as you like. The cell after it makes a picture with your function; if
 # it stops with a `NotImplementedError`, the line above the error names the function that is still to be
 # written.
@@ -354,8 +354,8 @@ def estimate_normal(sdf, p, eps):
 # %% [markdown]
 # ## 1.7 Sphere tracing
 #
-# Now the rays. A ray starts at the origin $o$ and goes along the unit vector $d$; its points are $o +
-# t\,d$. Where does it first meet the surface? There is no equation to solve, since $f$ can be anything. But
+# Now the rays. A ray starts at the origin $o$ and goes along the unit vector $d$; its points are
+# $o + t\,d$. Where does it first meet the surface? There is no equation to solve, since $f$ can be anything. But
 # there is the promise: at $p$, all within $f(p)$ is empty. So walk by exactly that much, and ask again:
 #
 # $$t_0 = 0, \qquad t_{i+1} = t_i + f(o + t_i\, d) .$$
