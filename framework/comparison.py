@@ -153,10 +153,8 @@ def _caption(error, yours, expected, scale, sign):
 
 def _masks(yours, expected):
     surplus, missing = yours & ~expected, expected & ~yours
-    difference = np.where(surplus, 2, np.where(missing, 3, expected & yours))
-    pictures = [colors.MASK[image.astype(int)] for image in (yours, expected, difference)]
-    # What agrees stands back.
-    pictures[2][~(surplus | missing)] //= 2
+    difference = colors.MASK[np.where(surplus, 2, np.where(missing, 3, expected & yours))]
+    difference[~(surplus | missing)] //= 2  # what agrees stands back
     more, less = np.count_nonzero(surplus), np.count_nonzero(missing)
     caption = "No difference."
     if more or less:
@@ -164,4 +162,5 @@ def _masks(yours, expected):
             f"{more + less} of {yours.size} pixels differ: {more} true only in yours (orange), "
             f"{less} only in expected (blue)."
         )
-    return Comparison("mask", *pictures, 0.0, 1.0, 1.0, caption)
+    pictures = colors.MASK[yours.astype(int)], colors.MASK[expected.astype(int)], difference
+    return Comparison("mask", *pictures, low=0.0, high=1.0, scale=1.0, caption=caption)

@@ -3,6 +3,7 @@
 import io
 import sys
 import textwrap
+from typing import Any
 
 import matplotlib
 from matplotlib.cm import ScalarMappable
@@ -14,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 _MARGIN, _TITLE, _LINE = 0.1, 0.26, 0.17
 
 _INK, _QUIET = "#22252e", "#5c6170"
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "font.family": "sans-serif",
     "font.size": 9.0,
     "text.color": _INK,
@@ -39,7 +40,7 @@ _STYLE = {
 class Picture(Figure):
     """A sheet with a title, room for pictures of `width` by `height` inches, and a caption.
 
-    In a notebook, a cell shows it once: when `show` is called, or where a later cell ends with it. Its ground
+    In a notebook, a cell shows it once: when `present` is called, or where a later cell ends with it. Its ground
     is white, so that it reads the same on light and on dark pages.
     """
 
@@ -63,7 +64,7 @@ class Picture(Figure):
         with matplotlib.rc_context(_STYLE):
             across, down = self._size
             bottom = down - self._top - top - height
-            return self.add_axes([(_MARGIN + left) / across, bottom / down, width / across, height / down])
+            return self.add_axes(((_MARGIN + left) / across, bottom / down, width / across, height / down))
 
     def image_at(self, left, top, width, height, rgb, title=None):
         """Pixels without ticks, the title above to the left."""
@@ -94,7 +95,7 @@ class Picture(Figure):
         self.savefig(buffer, format="png", dpi=144)
         return buffer.getvalue()
 
-    def show(self):
+    def present(self):
         """Show it where there is a notebook, and return it."""
         if _cell() is not None:
             self._ipython_display_()
@@ -113,4 +114,4 @@ def _cell():
     """The number of the notebook cell that runs; None outside notebooks."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython else None
-    return shell.execution_count if hasattr(shell, "kernel") else None
+    return getattr(shell, "execution_count", None) if hasattr(shell, "kernel") else None

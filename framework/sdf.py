@@ -6,6 +6,7 @@ iquilezles.org/articles/distfunctions.
 """
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 from framework import sdf_operators as operators
@@ -169,7 +170,7 @@ def from_dict(node):
 
 
 # For each node: its function, the keys of its arguments in that order, the number of nodes that it works on.
-_READ = {
+_READ: dict[str, tuple[Callable[..., Node], list[str], int | None]] = {
     "sphere": (sphere, ["center", "radius"], 0),
     "box": (box, ["center", "half_size"], 0),
     "torus": (torus, ["center", "major_radius", "minor_radius"], 0),

@@ -19,7 +19,10 @@ _CHUNK = 16384
 class Node:
     """A signed distance field: call it on points `(..., 3)` to get values `(...)`, negative inside."""
 
-    children = ()
+    @property
+    def children(self):
+        """The nodes that this one works on, a tuple; none for a primitive."""
+        return ()
 
     def __call__(self, points):
         """Signed distance at each point.

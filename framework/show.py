@@ -37,7 +37,7 @@ def image(image, title=None):
     width, height = _panel(pixels.shape, 5.6)
     figure = _picture(width, height, title, " ".join(notes + _legend(pixels)))
     figure.image_at(0, 0, width, height, colors.from_radiance(pixels, exposure))
-    return figure.show()
+    return figure.present()
 
 
 def comparison(yours, expected, title=None, kind=None):
@@ -74,7 +74,7 @@ def comparison(yours, expected, title=None, kind=None):
         figure.bar_at(0, top, 2 * width + gap, table, shown.low, shown.high, label)
         label = "yours − expected"
         figure.bar_at(left, top, width, colors.SIGNED_ERROR, -scale, scale, label, [-scale, 0, scale])
-    return figure.show()
+    return figure.present()
 
 
 def sdf_slice(sdf, axis="y", height=0.0, extent=2.0, resolution=256, title=None):
@@ -127,7 +127,7 @@ def sdf_slice(sdf, axis="y", height=0.0, extent=2.0, resolution=256, title=None)
     axes.set_ylabel(f"{up} (scene units)", labelpad=2)
     label = f"signed distance, scene units; a line every {step:g}"
     figure.bar_at(left, size + below, size, colors.DISTANCE, low, high, label)
-    return figure.show()
+    return figure.present()
 
 
 def march_heat_map(counts, title=None):
@@ -156,7 +156,7 @@ def _scalar(pixels, title, label, notes):
     figure = _picture(width, height + _BAR, title, " ".join(notes + _legend(pixels)))
     figure.image_at(0, 0, width, height, colors.from_table(pixels, low, high, colors.SEQUENTIAL))
     figure.bar_at(0, height, width, colors.SEQUENTIAL, low, high, label)
-    return figure.show()
+    return figure.present()
 
 
 def _legend(pixels):
