@@ -10,9 +10,13 @@ from __future__ import annotations
 import contextlib
 import pickle
 import struct
+import sys
+import types
 from dataclasses import dataclass
 
 import numpy as np
+
+import framework
 
 # student -> grader: kind, category, count, number
 HEADER = struct.Struct("<BBHI")
@@ -186,3 +190,44 @@ def sentence(failure) -> str:
     except BaseException:
         text = ""
     return f"{type(failure).__name__}: {text}" if text else type(failure).__name__
+
+
+def forbid(modules, task) -> dict:
+    """Let what these modules of the framework offer raise by name; the dict undoes it, handed to `allow`."""
+    before = {f"framework.{name}": sys.modules.get(f"framework.{name}") for name in modules}
+    kept = dict(vars(framework))
+    for name in modules:
+        sys.modules[f"framework.{name}"] = vars(framework)[name] = _Forbidden(name, task)
+        for public, home in framework._HOME.items():
+            if home == name:
+                vars(framework).pop(public, None)
+    return {"modules": before, "names": kept}
+
+
+def allow(before):
+    """Undo `forbid`."""
+    for name, module in before["modules"].items():
+        if module is None:
+            del sys.modules[name]
+        else:
+            sys.modules[name] = module
+    vars(framework).clear()
+    vars(framework).update(before["names"])
+
+
+class _Forbidden(types.ModuleType):
+    """Stands where a module of the framework would answer the task."""
+
+    def __init__(self, name, task):
+        super().__init__(f"framework.{name}")
+        self._task = task
+
+    def __getattr__(self, name):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        text = f"{self.__name__}.{name} would answer the task: it is not available while {self._task} is judged"
+
+        def refuse(*_, **__):
+            raise RuntimeError(text)
+
+        return refuse

@@ -18,7 +18,6 @@ import signal
 import socket
 import struct
 import sys
-import types
 
 import numpy as np
 
@@ -168,7 +167,7 @@ class Task:
 
     def run(self):
         job = _receive(self.link)
-        self._forbid(job["forbidden"], job["task"])
+        wall.forbid(job["forbidden"], job["task"])
         self.cells = job["cells"]
         self._grant_cpu()
         self.namespace = self._execute(job["skip"])
@@ -236,15 +235,6 @@ class Task:
                 self._error(wall.SYNTAX if isinstance(failure, SyntaxError) else _category(failure),
                             wall.sentence(failure), self._traceback(failure))  # fmt: skip
         return namespace
-
-    def _forbid(self, modules, task):
-        for name in modules:
-            stub = _Forbidden(name, task)
-            sys.modules[f"framework.{name}"] = stub
-            framework.__dict__[name] = stub
-            for public, home in framework._HOME.items():
-                if home == name:
-                    framework.__dict__.pop(public, None)
 
     def _grant_cpu(self):
         """Each call has its own allowance of CPU time; above it the kernel ends the process."""
@@ -319,24 +309,6 @@ class Served:
 
     def __repr__(self):
         return f"<{self.__name__}, answered by the grader>"
-
-
-class _Forbidden(types.ModuleType):
-    """Stands where a module of the framework would answer the task."""
-
-    def __init__(self, name, task):
-        super().__init__(f"framework.{name}")
-        self._task = task
-
-    def __getattr__(self, name):
-        if name.startswith("__"):
-            raise AttributeError(name)
-        text = f"{self.__name__}.{name} would answer the task: it is not available while {self._task} is judged"
-
-        def refuse(*_, **__):
-            raise RuntimeError(text)
-
-        return refuse
 
 
 def _flush():
