@@ -97,7 +97,7 @@ def seed_of(secret, assignment, task_id, public) -> int:
     return int.from_bytes(digest[:8], "little")
 
 
-def grade(path, student, level, limits=None, secret=DEFAULT_SECRET, assignment=None, public_only=False):
+def grade(path, student, level, limits=None, secret=DEFAULT_SECRET, assignment=None, problem=""):
     """Judge one notebook.
 
     Parameters
@@ -108,7 +108,7 @@ def grade(path, student, level, limits=None, secret=DEFAULT_SECRET, assignment=N
     limits : Limits
     secret : bytes          what the hidden inputs are seeded with
     assignment : str        by default the one that the notebook names
-    public_only : bool      judge by the inputs that the notebook shows, for all the points
+    problem : str           why the file cannot be read, where that is known already
 
     Returns
     -------
@@ -117,12 +117,13 @@ def grade(path, student, level, limits=None, secret=DEFAULT_SECRET, assignment=N
     """
     limits = limits or Limits()
     begun = time.monotonic()
-    name = assignment or submission.named_assignment(path) or "unknown"
     try:
+        if problem:
+            raise submission.Rejected(problem)
         read = submission.read(path, assignment)
     except submission.Rejected as rejected:
-        return _rejected(name, student, str(rejected), level), []
-    session = _Session(read, level, limits, secret, public_only)
+        return _rejected(assignment or "unknown", student, str(rejected), level), []
+    session = _Session(read, level, limits, secret)
     judgements = session.judge_all()
     result = {
         "schema": 1, "assignment": read.assignment, "student": student, "status": _status(judgements),
@@ -142,9 +143,8 @@ def grade(path, student, level, limits=None, secret=DEFAULT_SECRET, assignment=N
 class _Session:
     """The sandboxes of one submission, and what was learnt while its tasks were judged."""
 
-    def __init__(self, read, level, limits, secret, public_only):
+    def __init__(self, read, level, limits, secret):
         self.read, self.level, self.limits, self.secret = read, level, limits, secret
-        self.public_only = public_only
         self.assignment = checks.assignment(read.assignment)
         self.released = submission.release_of(read.assignment)
         self.reference = importlib.import_module(f"solutions.{read.assignment}")
@@ -232,8 +232,7 @@ class _Session:
     def _rounds(self, task, remote, result):
         broken = remote.cell_failures.get(list(self.read.cells).index(task.name))
         for public in (True, False):
-            if not public and (self.public_only or (result.rounds[0].failure and
-                               result.rounds[0].failure.status in UNJUDGED)):  # fmt: skip
+            if not public and result.rounds[0].failure and result.rounds[0].failure.status in UNJUDGED:
                 break
             seed = seed_of(self.secret, self.assignment.name, task.id, public)
             round_ = run_check(task, remote.call, self.reference, seed, public)

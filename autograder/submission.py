@@ -8,8 +8,11 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from autograder import checks
+
 ROOT = Path(__file__).resolve().parents[1]
 MAX_BYTES = 30 << 20
+TOO_LARGE = f"the file is larger than {MAX_BYTES >> 20} MB: clear the notebook's outputs and hand it in again"
 
 
 class Rejected(Exception):
@@ -49,7 +52,7 @@ def read(path, assignment=None) -> Submission:
     ------
     Rejected                where the file cannot be read as a submission
     """
-    block = _block(Path(path))
+    block = block_of(Path(path))
     notebook = _parse(block)
     assignment = assignment or assignment_of(notebook, Path(path).stem)
     if assignment is None:
@@ -71,13 +74,12 @@ def read(path, assignment=None) -> Submission:
                       frozenset(changed), hashlib.sha256(block).hexdigest())  # fmt: skip
 
 
-def named_assignment(path) -> str | None:
-    """The assignment of a file, or None where it cannot be told."""
-    path = Path(path)
+def named_in(block, stem) -> str | None:
+    """The assignment of a file's bytes, told by its metadata or by its stem; None where neither does."""
     try:
-        return assignment_of(_parse(_block(path)), path.stem)
+        return assignment_of(_parse(block), stem)
     except Rejected:
-        return path.stem if path.stem in known_assignments() else None
+        return stem if stem in known_assignments() else None
 
 
 def assignment_of(notebook, stem) -> str | None:
@@ -93,8 +95,9 @@ def assignment_of(notebook, stem) -> str | None:
 
 @cache
 def known_assignments() -> tuple[str, ...]:
-    """The assignments that are released."""
-    return tuple(sorted(p.parent.name for p in (ROOT / "assignments").glob("*/*.ipynb") if p.stem == p.parent.name))
+    """The assignments that are released and can be judged."""
+    ready = checks.available()
+    return tuple(name for name in ready if (ROOT / "assignments" / name / f"{name}.ipynb").is_file())
 
 
 @cache
@@ -115,7 +118,8 @@ def release_of(assignment) -> Released:
     return Released(assignment, notebook["metadata"]["course"]["version"], cells, points)
 
 
-def _block(path):
+def block_of(path) -> bytes:
+    """The bytes of a regular file that is no larger than a notebook may be."""
     try:
         if not path.is_file() or path.is_symlink():
             raise Rejected("not a regular file")
@@ -124,7 +128,7 @@ def _block(path):
     except OSError as error:
         raise Rejected(f"the file cannot be read: {error.strerror}") from None
     if len(block) > MAX_BYTES:
-        raise Rejected(f"the file is larger than {MAX_BYTES >> 20} MB: clear the notebook's outputs and hand it in again")
+        raise Rejected(TOO_LARGE)
     return block
 
 

@@ -1,0 +1,130 @@
+"""`check("1.2")` in a notebook: the public checks of a function as it is in memory, with numbers and pictures."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import sys
+
+from autograder import checks, public
+from autograder.grade import run_check, seed_of
+from autograder.student import InMemory
+
+WORDS = {
+    "pass": ("✔", "#1a7f37", "right, on the inputs that you can see"),
+    "partial": ("◐", "#9a6700", "partly right"),
+    "fail": ("✘", "#b3261e", "not right yet"),
+    "not_attempted": ("○", "#57606a", "not written yet"),
+    "error": ("⚠", "#8250df", "could not be judged"),
+    "out_of_memory": ("⚠", "#8250df", "needs too much memory"),
+}
+
+
+def check(task, namespace=None):
+    """Judge a task's functions by the inputs that the notebook shows, and display what was found.
+
+    Parameters
+    ----------
+    task : str          the task's number, such as "1.2"
+    namespace : dict    where the functions are; by default the notebook that calls
+    """
+    namespace = sys._getframe(1).f_globals if namespace is None else namespace
+    judged = judge(task, namespace)
+    try:
+        from IPython import get_ipython
+        from IPython.display import HTML, display
+    except ImportError:
+        get_ipython = None
+    if get_ipython is None or get_ipython() is None:
+        print(as_text(judged))
+    else:
+        display(HTML(_as_html(judged)))
+
+
+def judge(task, namespace):
+    """The public round of a task, on functions in memory.
+
+    Returns
+    -------
+    dict    id, name, status, message, measures, traceback and the Picture, for `as_text` and the pages
+    """
+    assignment = _assignment_of(str(task))
+    found = assignment.find(str(task))
+    seed = seed_of(b"", assignment.name, found.id, True)
+    result = run_check(found, InMemory(namespace, found).call, public.expected(assignment.name, found.id), seed, True)
+    if result.failure is not None:
+        status, message, trace = result.failure.status, result.failure.message, result.failure.traceback
+        if status == "not_attempted":
+            message = "fill in the function in the cell above, run it, then run this cell again"
+    else:
+        status = "pass" if result.fraction >= 1 - 1e-9 else "partial" if result.fraction > 0 else "fail"
+        missed = next((m for m in result.measures if m.credit < 1), None)
+        message, trace = (missed.message or missed.name) if missed else "", ""
+    return {"id": found.id, "name": found.name, "status": status, "message": message, "traceback": trace,
+            "measures": result.measures, "picture": result.picture, "fraction": result.fraction}  # fmt: skip
+
+
+def as_text(judged) -> str:
+    """What was found, for a terminal."""
+    sign, _, words = WORDS[judged["status"]]
+    lines = [f"{sign} {judged['id']} {judged['name']}: {words}" + (f" ({judged['message']})" if judged["message"] else "")]
+    if judged["status"] in ("pass", "partial", "fail"):
+        for m in judged["measures"]:
+            lines.append(f"    {'✔' if m.credit == 1 else '✘'} {m.name}: {m.metric} {m.error:.3g}, allowed {m.tolerance:.3g}")
+    elif judged["traceback"]:
+        lines += ["    " + line for line in judged["traceback"].splitlines()]
+    return "\n".join(lines)
+
+
+def _assignment_of(task):
+    number = task.split(".")[0]
+    if number.isdigit() and 1 <= int(number) <= len(checks.ASSIGNMENTS):
+        name = checks.ASSIGNMENTS[int(number) - 1]
+        if name in checks.available():
+            return checks.assignment(name)
+    raise KeyError(f"there is no task {task!r}: a number such as \"1.2\" is wanted")
+
+
+def _as_html(judged):
+    sign, color, words = WORDS[judged["status"]]
+    said = f": {html.escape(judged['message'])}" if judged["message"] else ""
+    parts = [
+        f'<div style="border-left:5px solid {color};padding:.4em 1em;margin:.3em 0;max-width:60em">'
+        f'<div style="font-size:1.1em"><b style="color:{color}">{sign} {words}</b>'
+        f' — {judged["id"]} <code>{html.escape(judged["name"])}</code>{said}</div>'
+    ]
+    if judged["status"] in ("pass", "partial", "fail"):
+        rows = "".join(
+            f'<tr><td style="text-align:left">{"✔" if m.credit == 1 else "✘"} {html.escape(m.name)}</td>'
+            f'<td style="text-align:left">{html.escape(m.metric)}</td><td>{m.error:.3g}</td><td>{m.tolerance:.3g}</td></tr>'
+            for m in judged["measures"]
+        )
+        parts.append(
+            '<table style="margin:.5em 0"><tr><th style="text-align:left">measure</th><th style="text-align:left">metric</th>'
+            f"<th>yours</th><th>allowed</th></tr>{rows}</table>"
+        )
+    elif judged["traceback"]:
+        parts.append(f"<pre>{html.escape(judged['traceback'])}</pre>")
+    if judged["picture"] is not None and judged["status"] != "not_attempted":
+        parts.append(_figures(judged["picture"]))
+    return "".join(parts) + "</div>"
+
+
+def _figures(picture):
+    from PIL import Image
+
+    from framework.comparison import comparison_images
+
+    shown = comparison_images(picture.yours, picture.expected, picture.kind)
+    cells = []
+    for title, pixels in (("yours", shown.yours), ("expected", shown.expected), ("difference", shown.difference)):
+        file = io.BytesIO()
+        Image.fromarray(pixels).save(file, format="png")
+        data = base64.b64encode(file.getvalue()).decode()
+        cells.append(
+            f'<figure style="display:inline-block;margin:0 .8em 0 0;text-align:center"><img alt="{title}" width="220" '
+            f'style="image-rendering:pixelated" src="data:image/png;base64,{data}"><figcaption>{title}</figcaption></figure>'
+        )
+    caption = html.escape(f"{picture.caption}. {shown.caption}")
+    return f'<div>{"".join(cells)}</div><div style="color:#57606a">{caption}</div>'
