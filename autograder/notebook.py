@@ -7,9 +7,13 @@ import html
 import io
 import sys
 
-from autograder import checks, public
-from autograder.grade import run_check, seed_of
-from autograder.student import InMemory
+import numpy as np
+
+import framework
+from autograder import checks, public, submission
+from autograder.judge import Judgement, result_of, run_check, seed_of, settle
+from autograder.student import Failure, InMemory
+from autograder.wall import sentence
 
 WORDS = {
     "pass": ("✔", "#1a7f37", "right, on the inputs that you can see"),
@@ -63,6 +67,46 @@ def judge(task, namespace):
         message, trace = (missed.message or missed.name) if missed else "", ""
     return {"id": found.id, "name": found.name, "status": status, "message": message, "traceback": trace,
             "measures": result.measures, "picture": result.picture, "fraction": result.fraction}  # fmt: skip
+
+
+def check_file(path):
+    """The public checks of a notebook's solution cells, run in this process: for a student's own work.
+
+    Parameters
+    ----------
+    path : Path     the notebook
+
+    Returns
+    -------
+    dict            a result as the grader writes it; its points are those of the public inputs alone
+    list of Judgement
+
+    Raises
+    ------
+    submission.Rejected     where the file is not a notebook of the course
+    """
+    read = submission.read(path)
+    namespace: dict = {"__name__": "__main__", "np": np, "fw": framework, "framework": framework}
+    broken = {}
+    for grade_id, source in read.cells.items():
+        try:
+            exec(compile(source, f"<cell {grade_id}>", "exec"), namespace)
+        except Exception as failure:
+            broken[grade_id] = Failure("error", f"its cell fails: {sentence(failure)}")
+    points = submission.release_of(read.assignment).points
+    judgements = []
+    for task in checks.assignment(read.assignment).tasks:
+        if task.name not in read.changed:
+            judgements.append(Judgement(task, points[task.name], [], "not_attempted", message="nothing was filled in"))
+            continue
+        seed = seed_of(b"", read.assignment, task.id, True)
+        expected = public.expected(read.assignment, task.id)
+        found = run_check(task, InMemory(namespace, task).call, expected, seed, True)
+        if found.failure and task.name in broken:
+            found.failure = broken[task.name]
+        judgements.append(Judgement(task, points[task.name], [found]))
+        settle(judgements[-1])
+    return result_of(read, "you", "none", judgements), judgements
 
 
 def as_text(judged) -> str:

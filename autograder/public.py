@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from autograder import checks
-from autograder.grade import run_check, seed_of
+from autograder.judge import run_check, seed_of
 
 FOLDER = Path(__file__).parent / "checks" / "public"
 

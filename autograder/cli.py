@@ -1,0 +1,205 @@
+"""The `course` command."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import fields
+from pathlib import Path
+
+import framework
+
+DESCRIPTION = """\
+The environment mapping course. Students check their notebooks, instructors grade and release them.
+
+  course check sphere_tracing.ipynb           the public checks of a notebook
+  course grade submissions/ --out results     every notebook below a folder
+  course doctor                               what this machine has, and what is missing"""
+
+
+def main(arguments=None) -> int:
+    """Run one command; returns the exit code."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    try:
+        return options.run(options) or 0
+    except KeyboardInterrupt:
+        print("stopped; run the same command again to go on", file=sys.stderr)
+        return 130
+    except _Usage as problem:
+        parser.exit(2, f"course: {problem}\n")
+
+
+class _Usage(Exception):
+    """Arguments that cannot be used: why, in one sentence."""
+
+
+def _parser():
+    parser = argparse.ArgumentParser(
+        prog="course", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--version", action="version", version=f"course {framework.__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    check = commands.add_parser("check", help="run a notebook's public checks, in the terminal and as a page")
+    check.add_argument("notebook", type=Path)
+    check.set_defaults(run=_check)
+
+    grade = commands.add_parser(
+        "grade", help="grade notebooks, folders of them, or zips",
+        description="Grade every notebook found. Finished results in DIR are kept: stop and start as you like.",
+        epilog="exit code: 0 every file got its result, 1 the grader failed, 2 wrong arguments, 3 only weak isolation",
+    )  # fmt: skip
+    grade.add_argument("paths", nargs="+", metavar="PATH", type=Path, help="a notebook, a zip, or a folder of them")
+    grade.add_argument("--out", required=True, metavar="DIR", type=Path, help="where results, pages and grades.csv go")
+    grade.add_argument("--jobs", type=_count, metavar="N", help="submissions at a time (default: one a core)")
+    grade.add_argument("--secret", metavar="FILE", type=Path, help="its bytes seed the inputs that students do not see")
+    grade.add_argument("--allow-weak-isolation", action="store_true",
+                       help="go on where only a plain process is to be had; results say so")  # fmt: skip
+    _add_limits(grade)
+    grade.set_defaults(run=_grade)
+
+    release = commands.add_parser("release", help="rebuild assignments/ from solutions/")
+    release.add_argument("assignments", nargs="*", metavar="ASSIGNMENT", help="by default all")
+    release.set_defaults(run=_release)
+
+    doctor = commands.add_parser("doctor", help="what this machine has, what is missing, how to get it")
+    doctor.set_defaults(run=_doctor)
+    return parser
+
+
+LIMIT_HELP = {
+    "call_cpu_seconds": "CPU time of one call",
+    "call_wall_seconds": "wall time of one call",
+    "submission_seconds": "wall time of a submission",
+    "memory_mb": "memory of a process, in MiB",
+    "file_mb": "size of a file that it may write, in MiB",
+    "output_bytes": "bytes of its output that are kept",
+}
+
+
+def _add_limits(parser):
+    from autograder.sandbox import Limits
+
+    group = parser.add_argument_group("limits", "Far above need: they stop runaways and decide no mark. "
+                                      "Where isolation is strong, a task may start threads but no processes.")  # fmt: skip
+    for field in fields(Limits):
+        kind = type(field.default)
+        group.add_argument(f"--{field.name.replace('_', '-')}", type=_positive(kind), default=field.default,
+                           metavar="N", help=f"{LIMIT_HELP[field.name]} (default: %(default)s)")  # fmt: skip
+
+
+def _count(text):
+    return _positive(int)(text)
+
+
+def _positive(kind):
+    def parse(text):
+        try:
+            value = kind(text)
+        except ValueError:
+            value = kind(0)
+        if not 0 < value < float("inf"):
+            raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
+        return value
+
+    return parse
+
+
+def _check(options):
+    import shutil
+    import tempfile
+
+    from autograder import batch, notebook, submission
+
+    if not options.notebook.is_file():
+        raise _Usage(f"{options.notebook} is not a file")
+    try:
+        result, judgements = notebook.check_file(options.notebook)
+    except submission.Rejected as rejected:
+        raise _Usage(f"{options.notebook}: {rejected}") from None
+    for record in result["checks"]:
+        sign, _, words = notebook.WORDS[record["status"]]
+        said = "" if record["status"] in ("pass", "not_attempted") else f": {record['message']}"
+        print(f"{sign} {record['id']} {record['name']}: {words}{said}")
+    page = options.notebook.with_name(f"{options.notebook.stem}-check.html")
+    with tempfile.TemporaryDirectory() as folder:
+        batch.write(result, judgements, Path(folder), "you")
+        shutil.copyfile(Path(folder) / "pages" / "you" / f"{result['assignment']}.html", page)
+    print(f"open {page}")
+    return 0
+
+
+def _grade(options):
+    from tqdm import tqdm
+
+    from autograder import batch, discover, doctor, report, sandbox
+    from autograder.grade import DEFAULT_SECRET
+
+    for path in options.paths:
+        if not path.exists() and not path.is_symlink():
+            raise _Usage(f"{path} does not exist")
+    secret = DEFAULT_SECRET
+    if options.secret is not None:
+        try:
+            secret = options.secret.read_bytes().strip()
+        except OSError as error:
+            raise _Usage(f"the secret {options.secret} cannot be read: {error.strerror}") from None
+        if not secret:
+            raise _Usage(f"the secret {options.secret} is empty")
+    level = sandbox.strongest_level()
+    if level == sandbox.PROCESS:
+        print("NOT ISOLATED: this machine starts no sandbox, and notebooks can do what you can (see `course doctor`)",
+              file=sys.stderr)  # fmt: skip
+        if not options.allow_weak_isolation:
+            print("course: nothing was graded; --allow-weak-isolation grades all the same", file=sys.stderr)
+            return 3
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _Usage(f"{options.out} cannot be made: {error.strerror}") from None
+    limits = sandbox.Limits(**{f.name: getattr(options, f.name) for f in fields(sandbox.Limits)})
+    job = batch.Job(str(options.out), level, limits, secret)
+    units = discover.find(options.paths, notice=lambda text: print(f"course: {text}", file=sys.stderr))
+    jobs = options.jobs or doctor.cores()
+    kept = 0
+    with tqdm(total=len(units), unit="submission", disable=not units) as bar:
+
+        def progress(unit, status, was_kept):
+            nonlocal kept
+            kept += was_kept
+            bar.set_postfix_str(f"{unit.student}: {status}", refresh=False)
+            bar.update()
+
+        try:
+            states = batch.run(units, job, jobs, progress)
+        finally:
+            report.write_grades(options.out)
+            report.write_index(options.out)
+    counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items())) or "no notebook found"
+    print(f"{len(units)} submissions: {counts}" + (f"; {kept} were done already" if kept else ""))
+    print(f"open {options.out / 'index.html'}")
+    return 0
+
+
+def _release(options):
+    from autograder import checks, public, release
+
+    unknown = set(options.assignments) - set(release.ASSIGNMENTS)
+    if unknown:
+        raise _Usage(f"there is no assignment {sorted(unknown)[0]!r}; there are {', '.join(release.ASSIGNMENTS)}")
+    release.release(options.assignments or None)
+    for name in options.assignments or release.ASSIGNMENTS:
+        if name in checks.available():
+            print(f"{name}: public arrays, {public.record(name).stat().st_size >> 10} KiB")
+    return 0
+
+
+def _doctor(options):
+    from autograder import doctor
+
+    return doctor.report()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,196 @@
+"""One task: its check run on public and on hidden inputs, and what the measures are worth."""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import framework
+from autograder import checks
+from autograder.student import Failure
+
+PUBLIC_SHARE, WORK_SHARE = 0.3, 0.2
+UNJUDGED = ("timeout", "out_of_memory", "crashed")
+
+
+@dataclass
+class Round:
+    """One run of a check: its measures, or why it could not be judged."""
+
+    public: bool
+    measures: list = field(default_factory=list)
+    failure: Failure | None = None
+    picture: checks.Picture | None = None
+    calls: list = field(default_factory=list)
+
+    @property
+    def fraction(self):
+        """The part of the points that this round earns."""
+        if self.failure is not None or not self.measures:
+            return 0.0
+        values = [m for m in self.measures if not m.work]
+        fraction = sum(m.share * m.credit for m in values) / sum(m.share for m in values)
+        for work in (m for m in self.measures if m.work):
+            passed = all(m.credit == 1 for m in values)
+            fraction = (1 - WORK_SHARE) * fraction + WORK_SHARE * (work.credit if passed else 0.0)
+        return fraction
+
+
+@dataclass
+class Judgement:
+    """A task's result: the two rounds, and what was seen of the process."""
+
+    task: checks.Task
+    points: float
+    rounds: list[Round]
+    status: str = ""
+    score: float = 0.0
+    message: str = ""
+    printed: str = ""
+    cpu_seconds: float = 0.0
+    peak_memory_mb: float = 0.0
+
+
+def run_check(task, student_calls, expected, seed, public):
+    """Run a task's check once.
+
+    Parameters
+    ----------
+    task : Task
+    student_calls : callable    (name, arguments, returns) -> list of arrays; raises Failure
+    expected : namespace        the right functions
+    seed : int                  of the inputs
+    public : bool
+
+    Returns
+    -------
+    Round
+    """
+    trial = checks.Trial(task, student_calls, expected, np.random.default_rng(seed), public)
+    result = Round(public)
+    try:
+        with np.errstate(all="ignore"):
+            for measure in task.check(trial):
+                if not math.isfinite(measure.error) and not measure.message:
+                    raise Failure("error", f"{measure.name}: the error is infinite")
+                result.measures.append(measure)
+    except Failure as failure:
+        result.failure = failure
+    result.picture, result.calls = trial.picture, trial.calls
+    return result
+
+
+def seed_of(secret, assignment, task_id, public) -> int:
+    """The seed of a task's inputs: fixed for public ones, from the secret for hidden ones."""
+    key = b"public" if public else b"hidden:" + secret
+    digest = hmac.new(key, f"{assignment}/{task_id}".encode(), hashlib.sha256).digest()
+    return int.from_bytes(digest[:8], "little")
+
+
+def settle(result):
+    """Status, score and message of a task from its rounds."""
+    shares = [PUBLIC_SHARE, 1 - PUBLIC_SHARE] if len(result.rounds) > 1 else [1.0]
+    failures = [r.failure for r in result.rounds if r.failure is not None]
+    if len(result.rounds) == 1 and result.rounds[0].failure:
+        shares = [0.0]
+    fraction = sum(share * r.fraction for share, r in zip(shares, result.rounds, strict=True))
+    result.score = rounded(result.points * fraction)
+    broken = next((f for f in failures if f.status in UNJUDGED), None)
+    if broken is not None:
+        result.status, result.message = broken.status, broken.message
+    elif fraction >= 1 - 1e-9:
+        result.status, result.message = "pass", "all measures lie within their tolerances"
+    elif failures:
+        result.status = "partial" if fraction > 0 else "error"
+        result.message = failures[0].message
+        if failures[0].status == "not_attempted":
+            result.message = "it still raises NotImplementedError: take that line out"
+    else:
+        result.status = "partial" if fraction > 0 else "fail"
+        result.message = _first_miss(result.rounds)
+
+
+def _first_miss(rounds):
+    for round_ in rounds:
+        for measure in round_.measures:
+            if measure.credit < 1:
+                hidden = "" if round_.public else " (on inputs that the notebook does not show)"
+                error, limit = _number(measure.error), _number(measure.tolerance)
+                why = f" {measure.message}:" if measure.message and not measure.work else ""
+                if measure.work:
+                    return f"right, but more work than needed: {measure.message}"
+                return f"{measure.name}:{why} the error is {error}, allowed is {limit}{hidden}"
+    return ""
+
+
+def result_of(read, student, level, judgements) -> dict:
+    """The result of a submission as the contract describes it, from its judged tasks."""
+    records = [check_record(j) for j in judgements]
+    status = _status(judgements)
+    message = next(j.message for j in judgements if j.status == status) if status in UNJUDGED else ""
+    return {
+        "schema": 1, "assignment": read.assignment, "student": student, "status": status, "message": message,
+        "score": rounded(sum(r["score"] for r in records)), "max_score": rounded(sum(r["max_score"] for r in records)),
+        "isolation": level, "wall_seconds": 0.0,
+        "peak_memory_mb": round(max((j.peak_memory_mb for j in judgements), default=0.0), 1), "checks": records,
+        "record": {"sha256": read.sha256, "notebook_version": read.version, "course_version": framework.__version__},
+    }  # fmt: skip
+
+
+def _status(judgements):
+    states = [j.status for j in judgements]
+    if all(state == "not_attempted" for state in states):
+        return "not_attempted"
+    if any(state in ("pass", "partial", "fail", "error") for state in states):
+        return "graded"
+    return next(state for state in UNJUDGED if state in states)
+
+
+def check_record(judgement):
+    """A task's entry in the result."""
+    measures = [(m, r.public) for r in judgement.rounds for m in r.measures]
+    values = [m for m, _ in measures if not m.work]
+    worst = max(values, key=_over, default=None)
+    works = [m for m, _ in measures if m.work]
+    failure = next((r.failure for r in judgement.rounds if r.failure is not None), None)
+    return {
+        "id": judgement.task.id, "name": judgement.task.name, "status": judgement.status,
+        "score": judgement.score, "max_score": judgement.points,
+        "metric": worst.metric if worst else None,
+        "error": _finite(worst.error) if worst else None,
+        "tolerance": _finite(worst.tolerance) if worst else None,
+        "evaluations": sum(m.evaluations for m in works) if works else None,
+        "evaluations_reference": sum(m.evaluations_reference for m in works) if works else None,
+        "message": judgement.message, "likely_mistake": None, "hint": None,
+        "images": {"yours": None, "reference": None, "difference": None},
+        "title": judgement.task.asks, "cpu_seconds": round(judgement.cpu_seconds, 3),
+        "traceback": failure.traceback if failure else "", "prints": judgement.printed,
+        "measures": [
+            {"name": m.name, "metric": m.metric, "error": _finite(m.error), "tolerance": _finite(m.tolerance),
+             "credit": m.credit, "share": m.share, "message": m.message, "public": public, "work": m.work}
+            for m, public in measures
+        ],
+    }  # fmt: skip
+
+
+def _over(measure):
+    if measure.tolerance > 0:
+        return measure.error / measure.tolerance
+    return math.inf if measure.error > 0 else 0.0
+
+
+def _finite(value):
+    return float(value) if math.isfinite(value) else None
+
+
+def _number(value):
+    return "infinite" if not math.isfinite(value) else f"{value:.3g}"
+
+
+def rounded(value) -> float:
+    """A score, to four decimals."""
+    return round(float(value), 4)
