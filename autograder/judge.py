@@ -19,9 +19,10 @@ UNJUDGED = ("timeout", "out_of_memory", "crashed")
 
 @dataclass
 class Round:
-    """One run of a check: its measures, or why it could not be judged."""
+    """One run of a check: its measures, or why it could not be judged; `weight` is its part of the points."""
 
     public: bool
+    weight: float = 0.0
     measures: list = field(default_factory=list)
     failure: Failure | None = None
     picture: checks.Picture | None = None
@@ -71,7 +72,7 @@ def run_check(task, student_calls, expected, seed, public):
     Round
     """
     trial = checks.Trial(task, student_calls, expected, np.random.default_rng(seed), public)
-    result = Round(public)
+    result = Round(public, PUBLIC_SHARE if public else 1 - PUBLIC_SHARE)
     try:
         with np.errstate(all="ignore"):
             for measure in task.check(trial):
@@ -93,11 +94,8 @@ def seed_of(secret, assignment, task_id, public) -> int:
 
 def settle(result):
     """Status, score and message of a task from its rounds."""
-    shares = [PUBLIC_SHARE, 1 - PUBLIC_SHARE] if len(result.rounds) > 1 else [1.0]
     failures = [r.failure for r in result.rounds if r.failure is not None]
-    if len(result.rounds) == 1 and result.rounds[0].failure:
-        shares = [0.0]
-    fraction = sum(share * r.fraction for share, r in zip(shares, result.rounds, strict=True))
+    fraction = sum(r.weight * r.fraction for r in result.rounds)
     result.score = rounded(result.points * fraction)
     broken = next((f for f in failures if f.status in UNJUDGED), None)
     if broken is not None:
@@ -152,10 +150,9 @@ def _status(judgements):
 
 def check_record(judgement):
     """A task's entry in the result."""
-    measures = [(m, r.public) for r in judgement.rounds for m in r.measures]
-    values = [m for m, _ in measures if not m.work]
-    worst = max(values, key=_over, default=None)
-    works = [m for m, _ in measures if m.work]
+    measures = [m for r in judgement.rounds for m in r.measures]
+    worst = max((m for m in measures if not m.work), key=_over, default=None)
+    works = [m for m in measures if m.work]
     failure = next((r.failure for r in judgement.rounds if r.failure is not None), None)
     return {
         "id": judgement.task.id, "name": judgement.task.name, "status": judgement.status,
@@ -169,12 +166,33 @@ def check_record(judgement):
         "images": {"yours": None, "reference": None, "difference": None},
         "title": judgement.task.asks, "cpu_seconds": round(judgement.cpu_seconds, 3),
         "traceback": failure.traceback if failure else "", "prints": judgement.printed,
-        "measures": [
-            {"name": m.name, "metric": m.metric, "error": _finite(m.error), "tolerance": _finite(m.tolerance),
-             "credit": m.credit, "share": m.share, "message": m.message, "public": public, "work": m.work}
-            for m, public in measures
-        ],
+        "measures": _merged(judgement),
     }  # fmt: skip
+
+
+def _merged(judgement):
+    """The measures of both rounds by name: the worse error, and which part of the task's points they decide."""
+    merged: dict[str, dict] = {}
+    for round_ in judgement.rounds:
+        total = sum(m.share for m in round_.measures if not m.work)
+        work = any(m.work for m in round_.measures)
+        passed = all(m.credit == 1 for m in round_.measures if not m.work)
+        for m in round_.measures:
+            share = round_.weight * (WORK_SHARE if m.work else m.share / total * (1 - WORK_SHARE * work))
+            earned = 0.0 if round_.failure or (m.work and not passed) else share * m.credit
+            entry = merged.setdefault(m.name, {"measure": m, "share": 0.0, "earned": 0.0, "public": False})
+            if _over(m) > _over(entry["measure"]):
+                entry["measure"] = m
+            entry["share"] += share
+            entry["earned"] += earned
+            entry["public"] |= round_.public and m.credit < 1
+    return [
+        {"name": name, "metric": e["measure"].metric, "error": _finite(e["measure"].error),
+         "tolerance": _finite(e["measure"].tolerance), "credit": rounded(e["earned"] / e["share"] if e["share"] else 0.0),
+         "share": rounded(e["share"]), "message": e["measure"].message, "work": e["measure"].work,
+         "hidden_only": e["earned"] < e["share"] and not e["public"]}
+        for name, e in merged.items()
+    ]  # fmt: skip
 
 
 def _over(measure):

@@ -11,7 +11,7 @@ import numpy as np
 
 import framework
 from autograder import checks, public, submission
-from autograder.judge import Judgement, result_of, run_check, seed_of, settle
+from autograder.judge import PUBLIC_SHARE, Judgement, result_of, run_check, seed_of, settle
 from autograder.student import Failure, InMemory
 from autograder.wall import sentence
 
@@ -97,14 +97,15 @@ def check_file(path):
     judgements = []
     for task in checks.assignment(read.assignment).tasks:
         if task.name not in read.changed:
-            judgements.append(Judgement(task, points[task.name], [], "not_attempted", message="nothing was filled in"))
+            judgements.append(Judgement(task, PUBLIC_SHARE * points[task.name], [], "not_attempted", message="nothing was filled in"))
             continue
         seed = seed_of(b"", read.assignment, task.id, True)
         expected = public.expected(read.assignment, task.id)
         found = run_check(task, InMemory(namespace, task).call, expected, seed, True)
         if found.failure and task.name in broken:
             found.failure = broken[task.name]
-        judgements.append(Judgement(task, points[task.name], [found]))
+        found.weight = 1.0
+        judgements.append(Judgement(task, PUBLIC_SHARE * points[task.name], [found]))
         settle(judgements[-1])
     return result_of(read, "you", "none", judgements), judgements
 

@@ -165,7 +165,7 @@ def _measure(measure, max_score):
         "inside": inside,
         "ratio": ratio,
         "place": place,
-        "public": measure.get("public"),
+        "hidden_only": measure.get("hidden_only") is True,
         "worth": None if share is None else number(share * max_score),
         "earned": None if share is None or credit is None else number(credit * share * max_score),
     }

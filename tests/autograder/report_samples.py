@@ -32,11 +32,11 @@ MISTAKE = {
     "scale": 0.25,
     "measures": [
         {"name": "outside the box", "metric": "max abs", "error": 3.1e-16, "tolerance": 1e-9, "credit": 1.0,
-         "share": 0.3, "public": True, "message": ""},
+         "share": 0.3, "hidden_only": False, "message": ""},
         {"name": "inside the box", "metric": "max abs", "error": 0.25, "tolerance": 1e-9, "credit": 0.0,
-         "share": 0.5, "public": False, "message": "At the centre it is 0, and -0.25 is wanted."},
+         "share": 0.5, "hidden_only": True, "message": "At the centre it is 0, and -0.25 is wanted."},
         {"name": "length of the gradient", "metric": "rms", "error": 0.0213, "tolerance": 0.01, "credit": 0.4,
-         "share": 0.2, "public": False, "message": ""},
+         "share": 0.2, "hidden_only": True, "message": ""},
     ],
 }  # fmt: skip
 TRACEBACK = """Traceback (most recent call last):
@@ -72,7 +72,7 @@ def sample_checks():
     return [
         check("1.1", names[0], title="Return the signed distance to a sphere.",
               measures=[{"name": "grid of points", "metric": "max abs", "error": 0.0, "tolerance": 1e-9,
-                         "credit": 1.0, "share": 1.0, "public": True, "message": ""}]),
+                         "credit": 1.0, "share": 1.0, "hidden_only": False, "message": ""}]),
         check("1.2", names[1], "partial", 1.16, 3, **MISTAKE),
         check("1.3", names[2], "fail", 0, 3, metric="max abs", error=1.7, tolerance=1e-9,
               message="the axis is z, not y."),
