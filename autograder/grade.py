@@ -107,11 +107,8 @@ class _Session:
             stuck = self._run(task, result)
             if stuck is None or stuck in self.hanging:
                 return
-            cell, failure = list(self.read.cells)[stuck], result.rounds[0].failure
+            failure = result.rounds[0].failure
             self.hanging[stuck] = Failure(failure.status, f"the code outside functions in its cell: {failure.message}")
-            if cell == task.name:
-                result.rounds = [Round(True, failure=self.hanging[stuck])]
-                return
             result.rounds = []
 
     def _run(self, task, result):
@@ -148,14 +145,15 @@ class _Session:
         return None if loaded else remote.cell
 
     def _rounds(self, task, remote, result):
-        broken = remote.cell_failures.get(list(self.read.cells).index(task.name))
+        index = list(self.read.cells).index(task.name)
+        broken = remote.cell_failures.get(index) or self.hanging.get(index)
         for public in (True, False):
             if not public and result.rounds[0].failure and result.rounds[0].failure.status in UNJUDGED:
                 break
             seed = seed_of(self.secret, self.assignment.name, task.id, public)
             round_ = run_check(task, remote.call, self.reference, seed, public)
             if round_.failure and broken and "is not defined in its cell" in round_.failure.message:
-                round_.failure = Failure("error", f"its cell fails: {broken.message}", broken.traceback)
+                round_.failure = Failure(broken.status, f"its cell fails: {broken.message}", broken.traceback)
             result.rounds.append(round_)
 
     def _sandbox(self, forbidden):

@@ -31,14 +31,25 @@ class Round:
     @property
     def fraction(self):
         """The part of the points that this round earns."""
-        if self.failure is not None or not self.measures:
-            return 0.0
-        values = [m for m in self.measures if not m.work]
-        fraction = sum(m.share * m.credit for m in values) / sum(m.share for m in values)
-        for work in (m for m in self.measures if m.work):
-            passed = all(m.credit == 1 for m in values)
-            fraction = (1 - WORK_SHARE) * fraction + WORK_SHARE * (work.credit if passed else 0.0)
-        return fraction
+        return sum(earned for _, _, earned in self.earnings)
+
+    @property
+    def earnings(self):
+        """For each measure: itself, its part of this round's points, and what of it is earned.
+
+        Properties count as far as the values are right; the work is a fixed part, which counts once all else passes.
+        """
+        rest = [m for m in self.measures if not m.work]
+        total = sum(m.share for m in rest) or 1.0
+        values = [m for m in rest if not m.property]
+        right = sum(m.share * m.credit for m in values) / (sum(m.share for m in values) or 1.0)
+        passed, works = all(m.credit == 1 for m in rest), len(rest) < len(self.measures)
+        result = []
+        for m in self.measures:
+            part = WORK_SHARE if m.work else m.share / total * (1 - WORK_SHARE * works)
+            earned = part * m.credit * (float(passed) if m.work else right if m.property else 1.0)
+            result.append((m, part, 0.0 if self.failure else earned))
+        return result
 
 
 @dataclass
@@ -174,17 +185,12 @@ def _merged(judgement):
     """The measures of both rounds by name: the worse error, and which part of the task's points they decide."""
     merged: dict[str, dict] = {}
     for round_ in judgement.rounds:
-        total = sum(m.share for m in round_.measures if not m.work)
-        work = any(m.work for m in round_.measures)
-        passed = all(m.credit == 1 for m in round_.measures if not m.work)
-        for m in round_.measures:
-            share = round_.weight * (WORK_SHARE if m.work else m.share / total * (1 - WORK_SHARE * work))
-            earned = 0.0 if round_.failure or (m.work and not passed) else share * m.credit
+        for m, part, earned in round_.earnings:
             entry = merged.setdefault(m.name, {"measure": m, "share": 0.0, "earned": 0.0, "public": False})
             if _over(m) > _over(entry["measure"]):
                 entry["measure"] = m
-            entry["share"] += share
-            entry["earned"] += earned
+            entry["share"] += round_.weight * part
+            entry["earned"] += round_.weight * earned
             entry["public"] |= round_.public and m.credit < 1
     return [
         {"name": name, "metric": e["measure"].metric, "error": _finite(e["measure"].error),

@@ -7,6 +7,7 @@ answers the grader's calls until it is told to stop. When a task ends, the zygot
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import linecache
 import os
@@ -226,7 +227,7 @@ class Task:
         for index, (grade_id, source) in enumerate(self.cells):
             self.link.sendall(wall.HEADER.pack(wall.CELL, 0, index, 0))
             if index in skip:
-                continue
+                source = _definitions(source)
             filename = f"<cell {grade_id}>"
             linecache.cache[filename] = (len(source), None, source.splitlines(keepends=True), filename)
             try:
@@ -286,6 +287,17 @@ def _compiled(source, filename):
     except SyntaxError:
         plain = re.sub(r"^(\s*)([%!]{1,2}[A-Za-z].*)$", r"\1pass  # \2", source, flags=re.MULTILINE)
         return compile(plain, filename, "exec")
+
+
+def _definitions(source):
+    """Of a cell that never ends: its imports and definitions alone."""
+    try:
+        tree = ast.parse(source)
+    except SyntaxError:
+        return ""
+    kept = (ast.FunctionDef, ast.ClassDef, ast.Import, ast.ImportFrom)
+    tree.body = [node for node in tree.body if isinstance(node, kept)]
+    return ast.unparse(tree)
 
 
 class Served:

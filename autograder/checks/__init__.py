@@ -28,7 +28,8 @@ class Measure:
     """One thing that was measured: an error against its tolerance, and what that is worth.
 
     `credit` is 1 within the tolerance and 0 beyond it, unless the check says otherwise; `share` weighs the measure
-    among its task's. `work` marks the measure of SDF evaluations, which counts only once all others pass.
+    among its task's. A `property` is what wrong answers may have too, such as symmetry: it counts only as far as the
+    values are right. `work` marks the measure of SDF evaluations, which counts only once all others pass.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Measure:
     credit: float
     share: float = 1.0
     message: str = ""
+    property: bool = False
     work: bool = False
     evaluations: int | None = None
     evaluations_reference: int | None = None
@@ -159,18 +161,18 @@ class Trial:
         """Keep two images for the page; the first that a check shows is the one."""
         self.picture = self.picture or Picture(np.array(yours), np.array(expected), kind, caption)
 
-    def close(self, name, got, want, scale=1.0, share=1.0, message=""):
+    def close(self, name, got, want, scale=1.0, share=1.0, message="", property=False):
         """A measure: the largest error, over `scale`, against the recorded tolerance."""
         error = float(np.max(np.abs(np.asarray(got, float) - want) / scale, initial=0.0))
-        return self.at_most(name, error, share=share, message=message)
+        return self.at_most(name, error, share=share, message=message, property=property)
 
-    def at_most(self, name, error, share=1.0, message="", metric=None, credit=None):
+    def at_most(self, name, error, share=1.0, message="", credit=None, property=False):
         """A measure: `error` against the tolerance recorded under this name."""
         record = tolerance(self.task.id, name)
         limit = record["tolerance"]
         if credit is None:
             credit = 1.0 if error <= limit else 0.0
-        return Measure(name, metric or record["metric"], float(error), limit, credit, share, message)
+        return Measure(name, record["metric"], float(error), limit, credit, share, message, property)
 
     def survives(self, name, measures, share=1.0, message=""):
         """A measure of cases at the edge: an exception or a wrong shape there costs this measure, not the task."""
@@ -179,8 +181,8 @@ class Trial:
         except Failure as failure:
             if failure.status not in ("error", "not_attempted"):
                 raise
-            return Measure(name, "cases", np.inf, 1.0, 0.0, share, f"{message} {failure.message}".strip())
-        return Measure(name, "error / tolerance", float(error), 1.0, float(error <= 1.0), share, message)
+            return Measure(name, "cases", np.inf, 1.0, 0.0, share, f"{message} {failure.message}".strip(), True)
+        return Measure(name, "error / tolerance", float(error), 1.0, float(error <= 1.0), share, message, True)
 
     def work(self, evaluations, units):
         """The measure of SDF evaluations: full up to 1.5 times the stored figure plus 2 a ray, nothing at 4 times."""
@@ -189,7 +191,7 @@ class Trial:
         credit = float(np.clip((nothing - evaluations) / max(nothing - full, 1e-12), 0.0, 1.0))
         credit = 1.0 if evaluations <= full else credit
         message = f"{evaluations} evaluations of the distance field, where the reference needs {reference}"
-        return Measure("work", "evaluations", float(evaluations), full, credit, 1.0, message, True,
+        return Measure("work", "evaluations", float(evaluations), full, credit, 1.0, message, False, True,
                        int(evaluations), reference)  # fmt: skip
 
     def _function(self, name):

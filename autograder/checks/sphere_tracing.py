@@ -18,7 +18,7 @@ def sdf_sphere(trial):
     trial.show(*trial.both(grid, center, radius), "distance", "a slice through the middle of the sphere")
     away = _directions(trial.rng, 200)
     yield trial.close("on the surface", trial.call(center + radius * away, center, radius), 0.0,
-                      message="points of the surface have the distance 0")  # fmt: skip
+                      property=True, message="points of the surface have the distance 0")  # fmt: skip
     far = trial.rng.uniform(1.01, 4, 200)
     yield trial.close("outside", trial.call(center + (radius * far)[:, None] * away, center, radius),
                       radius * (far - 1), message="outside, the distance is how far the surface is")  # fmt: skip
@@ -101,7 +101,7 @@ def smooth_union(trial):
     yield trial.close("inside the band", got, want, share=1.5,
                       message="where both distances are near, the surface swells: by k / 4 where they are equal")  # fmt: skip
     yield trial.close("symmetric", trial.call(d1 + near, d1, k), got, share=0.5,
-                      message="the order of the two shapes does not matter")  # fmt: skip
+                      property=True, message="the order of the two shapes does not matter")  # fmt: skip
     small, large = (trial.call(s * d1, s * (d1 + near), s * k) / s for s in (1e-3, 1e3))
     yield trial.close("any scale", [small, large], [want, want], share=0.5,
                       message="a scene that is scaled, k with it, gives scaled distances")  # fmt: skip
@@ -117,7 +117,8 @@ def estimate_normal(trial):
     true = _gradient(scene, p)
     trial.show(0.5 + 0.5 * got.reshape(24, 32, 3), 0.5 + 0.5 * true.reshape(24, 32, 3), "color",
                "normals as colours, where the rays of a small picture meet the scene")  # fmt: skip
-    yield trial.close("unit length", np.linalg.norm(got, axis=-1), 1.0, message="a normal has length 1")
+    yield trial.close("unit length", np.linalg.norm(got, axis=-1), 1.0, property=True,
+                      message="a normal has length 1")  # fmt: skip
     away = _directions(trial.rng, 200)
     got = trial.call(Counted(lambda q: np.linalg.norm(q, axis=-1) - radius), radius * away, eps * radius)
     yield trial.close("sphere", got, away, message="on a sphere, the normal points away from the centre")
@@ -148,7 +149,7 @@ def sphere_trace(trial):
     t_true = _march(scene, origin, direction, 40.0)
     found = np.isfinite(t_true)
     trial.show(t.reshape(height, width), t_true.reshape(height, width), "scalar", "distance along each ray")
-    yield trial.at_most("misses are infinite", float(np.mean(np.isfinite(t) != hit)), share=0.5,
+    yield trial.at_most("misses are infinite", float(np.mean(np.isfinite(t) != hit)), share=0.5, property=True,
                         message="t is inf exactly where hit is false")  # fmt: skip
 
     toward = np.array([[0.0, 0.0, 1.0]])
@@ -157,7 +158,7 @@ def sphere_trace(trial):
         got_t, got_hit = _checked(trial, Counted(field), start, np.repeat(toward, len(start), 0), t_max, 1e-4, steps)
         wrong = got_hit != want_hit
         off = np.abs(np.where(want_hit & got_hit, got_t - want_t, 0.0)) > 1e-3
-        yield trial.at_most(name, float(np.mean(wrong | off)), share=0.25, message=message)
+        yield trial.at_most(name, float(np.mean(wrong | off)), share=0.25, property=True, message=message)
 
     yield trial.at_most("hits and misses", float(np.mean(hit != found)), share=1.5,
                         message="some rays that should hit miss, or the other way round")  # fmt: skip
