@@ -14,6 +14,8 @@ from solutions import sphere_tracing
 
 CAMERA = dict(position=[4.5, 3.5, 6.0], target=[0, 0.5, 0], up=[0, 1, 0], fov_y=0.9272952180016122)
 TO_SUN = [0.5, 0.8, 0.3]
+COLORS = [[0.62, 0.60, 0.56], [0.80, 0.42, 0.30], [0.30, 0.48, 0.70], [0.84, 0.66, 0.28],
+          [0.40, 0.62, 0.42], [0.70, 0.45, 0.62], [0.35, 0.60, 0.64], [0.75, 0.72, 0.66]]  # fmt: skip
 
 
 def traced_scene(width=480, height=320):
@@ -21,7 +23,7 @@ def traced_scene(width=480, height=320):
     scene, camera = _nine_shapes(), fw.Camera(**CAMERA)
     origin, direction = (a.reshape(-1, 3) for a in camera.rays(width, height))
     t, hit = sphere_tracing.sphere_trace(scene, origin, direction, 60.0, 1e-3, 256)
-    image = 0.25 + 0.5 * np.clip(direction[:, 1:2], 0, 1) * np.array([0.5, 0.8, 1.2])
+    image = np.array([0.42, 0.58, 0.80]) * (1 - 0.8 * np.clip(direction[:, 1:2], 0, 1))
     p = origin[hit] + t[hit, None] * direction[hit]
     normal = sphere_tracing.estimate_normal(scene, p, 1e-4)
     to_sun = np.broadcast_to(fw.normalize(TO_SUN), p.shape)
@@ -29,7 +31,8 @@ def traced_scene(width=480, height=320):
     _, shadowed = sphere_tracing.sphere_trace(scene, p + 5e-3 * normal, to_sun, 20.0, 1e-4, 128)
     light = 1.2 * (np.clip(lit, 0, 1) * ~shadowed)[:, None] * [1.0, 0.93, 0.8]
     light = light + 0.25 * (0.6 + 0.4 * normal[:, 1:2]) * [0.75, 0.87, 1.0]
-    image[hit] = light * (0.45 + 0.35 * normal**2)
+    shape = np.argmin([part(p) for part in scene.of], axis=0)
+    image[hit] = light * np.array(COLORS)[shape]
     return fw.tone_map(image.reshape(height, width, 3))
 
 
