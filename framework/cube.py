@@ -4,7 +4,7 @@ import numpy as np
 
 from framework.lookup import lookup
 
-# A face has columns (a, left to right) and rows (b, downwards), both from -1 to 1. Per face: the world vectors
+# A face has columns (a, left to right) and rows (b, downwards), from -1 to 1. Per face: the world vectors
 # of a, of b and of its middle. From OpenEXR's ImfEnvmap.cpp, CubeMap::direction and CubeMap::pixelPosition.
 _FRAMES = np.array(
     [

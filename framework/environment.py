@@ -27,7 +27,7 @@ class Environment:
     """
 
     def __init__(self, pixels, on_bad_pixels=None):
-        self.pixels = _clean(pixels, on_bad_pixels, "Environment")
+        self.pixels = _clean(_latlong(pixels, "Environment"), on_bad_pixels, "Environment")
 
     @classmethod
     def load(cls, path, on_bad_pixels=None):
@@ -37,9 +37,21 @@ class Environment:
         ------
         OSError, ValueError : the file cannot be read, or what it holds is no environment.
         """
-        from framework.image import read_environment_pixels
+        from framework.cube import cube_to_latlong
+        from framework.exr import read_exr
 
-        return cls.__new__(cls)._set(_clean(read_environment_pixels(path), on_bad_pixels, path))
+        pixels, attributes = read_exr(path)
+        if pixels.ndim == 2 or pixels.shape[2] == 2:  # grey, perhaps with alpha
+            pixels = np.repeat(pixels.reshape(*pixels.shape[:2], -1)[..., :1], 3, axis=2)
+        pixels = pixels[..., :3]
+        if attributes.get("envmap") == "cube":
+            size = pixels.shape[1]
+            if len(pixels) != 6 * size:
+                raise ValueError(f"{path}: a cube map of {pixels.shape[:2]} pixels; want six squares in a column")
+            pixels = cube_to_latlong(_clean(pixels.reshape(6, size, size, 3), on_bad_pixels, path))
+        environment = cls.__new__(cls)
+        environment.pixels = _clean(_latlong(pixels, path), on_bad_pixels, path)
+        return environment
 
     @classmethod
     def from_cube(cls, faces):
@@ -49,7 +61,7 @@ class Environment:
         return cls(cube_to_latlong(faces))
 
     def to_cube(self, size):
-        """The faces (6, size, size, 3) of a cube, in OpenEXR's order (+x, -x, +y, -y, +z, -z) and orientation."""
+        """The faces (6, size, size, 3) in OpenEXR's order (+x, -x, +y, -y, +z, -z) and orientation."""
         from framework.cube import latlong_to_cube
 
         return latlong_to_cube(self.pixels, size)
@@ -88,10 +100,6 @@ class Environment:
             chain.append(chain[-1].resized(chain[-1].height // 2))
         return chain
 
-    def _set(self, pixels):
-        self.pixels = pixels
-        return self
-
     def __repr__(self):
         return f"Environment({self.height} x {2 * self.height}, radiance up to {self.pixels.max():.4g})"
 
@@ -115,21 +123,26 @@ def pixel_solid_angles(height):
     return np.repeat(band[:, None] * (np.pi / height), 2 * height, axis=1)
 
 
+def _latlong(pixels, name):
+    """The pixels, once it is sure that they are real numbers in the shape of a map."""
+    pixels = np.asarray(pixels)
+    if pixels.dtype.kind not in "fiu":
+        raise ValueError(f"{name}: pixels are of type {pixels.dtype}; want real numbers")
+    if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.shape[1] != 2 * pixels.shape[0] or not pixels.size:
+        raise ValueError(f"{name}: pixels have shape {pixels.shape}; want (H, 2H, 3), twice as wide as high")
+    return pixels
+
+
 def _clean(pixels, on_bad_pixels, name):
-    """The pixels as a read-only (H, 2H, 3) float64 copy without negative values; `name` opens messages."""
+    """The pixels as a read-only float64 copy without negative values; `name` opens messages."""
     if on_bad_pixels not in (None, "zero"):
         raise ValueError(f"{name}: on_bad_pixels is {on_bad_pixels!r}; want None or 'zero'")
-    given = np.asarray(pixels)
-    if given.dtype.kind not in "fiu":
-        raise ValueError(f"{name}: pixels are of type {given.dtype}; want real numbers")
-    if given.ndim != 3 or given.shape[2] != 3 or given.shape[1] != 2 * given.shape[0] or not given.size:
-        raise ValueError(f"{name}: pixels have shape {given.shape}; want (H, 2H, 3), twice as wide as high")
-    pixels = np.array(given, dtype=np.float64, order="C")
+    pixels = np.array(pixels, dtype=np.float64, order="C")
     bad = ~np.isfinite(pixels)
     if bad.any() and on_bad_pixels is None:
-        row, column, channel = np.argwhere(bad)[0]
+        *_, row, column, _ = np.argwhere(bad)[0]
         raise ValueError(
-            f"{name}: {bad.sum()} values are not finite, the first is {pixels[row, column, channel]} "
+            f"{name}: {bad.sum()} values are not finite, the first is {pixels[bad][0]} "
             f"at row {row}, column {column}; want finite radiance, or on_bad_pixels='zero'"
         )
     negative = ~bad & (pixels < 0)

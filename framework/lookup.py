@@ -28,8 +28,8 @@ def lookup(pixels, direction):
 
     Notes
     -----
-    Columns wrap. The row above the first is the first row turned by half a circle, the same below the last: so
-    the map is continuous along every great circle, over the poles too.
+    Columns wrap. The row above the first is the first row turned by half a circle; likewise at the bottom:
+    so the map is continuous along every great circle, over the poles too.
     """
     pixels = np.ascontiguousarray(pixels, dtype=np.float64)
     if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.shape[1] != 2 * pixels.shape[0] or not pixels.size:
