@@ -46,7 +46,7 @@ def read_exr(path):
     with path.open("rb") as file:
         if file.read(4) != _MAGIC:
             raise ValueError(f"{path}: not an OpenEXR file")
-    header = _decode(path, True, lambda file: file.header())
+    header = _decode(path, True, lambda file: dict(file.header()))
     names = _color_channels(path, header)
     channels = _decode(
         path, False, lambda file: {n: c.pixels for n, c in file.channels().items() if n in names}
