@@ -20,7 +20,7 @@ import numpy as np
 import framework as fw
 
 
-# %% nbgrader={"grade": false, "grade_id": "sample_ggx", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "sample_ggx", "solution": true}
 def sample_ggx(xi, alpha):
     """Half vectors about +z with the density of the normals that GGX describes.
 
@@ -47,7 +47,7 @@ def sample_ggx(xi, alpha):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "irradiance", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "irradiance", "solution": true}
 def irradiance(env, height):
     """What a white diffuse surface shows under the environment, for every orientation.
 
@@ -78,7 +78,7 @@ def irradiance(env, height):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "prefilter", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "prefilter", "solution": true}
 def prefilter(env, alpha, height, samples):
     """Radiance blurred by the lobe of a rough mirror that is seen from straight above: n = v = r.
 
@@ -139,7 +139,7 @@ def prefilter(env, alpha, height, samples):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "prefilter_chain", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "prefilter_chain", "solution": true}
 def prefilter_chain(env, roughness_levels, heights, samples):
     """One filtered map for each roughness.
 
@@ -160,7 +160,7 @@ def prefilter_chain(env, roughness_levels, heights, samples):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "sample_chain", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "sample_chain", "solution": true}
 def sample_chain(chain, roughness_levels, direction, roughness):
     """Look filtered radiance up between the pixels and between the levels.
 
@@ -190,7 +190,7 @@ def sample_chain(chain, roughness_levels, direction, roughness):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "classic_approximation", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "classic_approximation", "solution": true}
 def classic_approximation(f, g, weights):
     """The integral of a product, taken apart: the mean of f where g is, times the integral of g.
 

@@ -20,7 +20,7 @@ import numpy as np
 import framework as fw
 
 
-# %% nbgrader={"grade": false, "grade_id": "fresnel", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "fresnel", "solution": true}
 def fresnel_schlick(r0, cos_theta):
     """Reflectance at an angle, from the reflectance at normal incidence.
 
@@ -59,7 +59,7 @@ def r0_from_ior(n1, n2):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "ndf", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "ndf", "solution": true}
 def ndf_beckmann(cos_h, alpha):
     """Density of microfacet normals per steradian: a Gaussian of slopes.
 
@@ -109,7 +109,7 @@ def ndf_ggx(cos_h, alpha):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "masking_shadowing", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "masking_shadowing", "solution": true}
 def masking_shadowing(cos_i, cos_o, alpha):
     """Fraction of the microfacets that both directions see.
 
@@ -136,7 +136,7 @@ def masking_shadowing(cos_i, cos_o, alpha):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "microfacet_brdf", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "microfacet_brdf", "solution": true}
 def microfacet_brdf(normal, view, to_light, r0, alpha):
     """Reflection of one light direction by a rough mirror.
 
@@ -171,7 +171,7 @@ def microfacet_brdf(normal, view, to_light, r0, alpha):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "monte_carlo_shade", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "monte_carlo_shade", "solution": true}
 def monte_carlo_shade(env, normal, view, r0, alpha, samples, rng):
     """Light that a rough mirror reflects to the viewer, without shadows: the slow general answer.
 
@@ -230,7 +230,7 @@ def monte_carlo_shade(env, normal, view, r0, alpha, samples, rng):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "brdf_lut", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "brdf_lut", "solution": true}
 def brdf_lut(size, samples):
     """The second half of the split sum: reflection under a white sky, as scale and bias of r0.
 
@@ -272,7 +272,7 @@ def brdf_lut(size, samples):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "sample_lut", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "sample_lut", "solution": true}
 def sample_lut(lut, cos_theta, roughness):
     """Look the table up between its entries.
 
@@ -303,7 +303,7 @@ def sample_lut(lut, cos_theta, roughness):
     ### END SOLUTION
 
 
-# %% nbgrader={"grade": false, "grade_id": "shade_split_sum", "locked": false, "schema_version": 3, "solution": true, "task": false}
+# %% nbgrader={"grade_id": "shade_split_sum", "solution": true}
 def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
     """Light that a rough mirror reflects to the viewer, without shadows: two look-ups.
 
