@@ -27,7 +27,8 @@ def main(arguments=None) -> int:
         print("stopped; run the same command again to go on", file=sys.stderr)
         return 130
     except _Usage as problem:
-        parser.exit(2, f"course: {problem}\n")
+        print(f"course: {problem}", file=sys.stderr)
+        return 2
 
 
 class _Usage(Exception):

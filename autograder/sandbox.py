@@ -1,6 +1,6 @@
 """Processes for strangers' code: the strongest isolation that this machine really starts.
 
-A sandbox holds a zygote (`autograder.worker`) that sees the interpreter, the installed packages and `framework`, all
+A sandbox holds a zygote (`autograder.zygote`) that sees the interpreter, the installed packages and `framework`, all
 read-only, a scratch folder of fixed size, and nothing else: no network, no home, no solutions, checks or references,
 no other submission. Each task gets a process of its own, forked from the zygote.
 """
@@ -184,7 +184,7 @@ class Sandbox:
 
     def _command(self, control, seccomp):
         root = str(ROOT) if self.level == PROCESS else "/course"
-        start = f"import sys; sys.path.insert(0, {root!r}); from autograder.worker import main; main({control})"
+        start = f"import sys; sys.path.insert(0, {root!r}); from autograder.zygote import main; main({control})"
         python = [sys.executable, "-s", "-P", "-c", start]
         if self.level == PROCESS:
             return python
@@ -232,7 +232,7 @@ def _bubblewrap(forbidden):
     binds += ["--ro-bind", str(ROOT / "framework"), "/course/framework"]
     for module in forbidden:
         binds += ["--ro-bind", "/dev/null", f"/course/framework/{module}.py"]
-    for name in ("wall.py", "worker.py"):
+    for name in ("wall.py", "worker.py", "zygote.py"):
         binds += ["--ro-bind", str(ROOT / "autograder" / name), f"/course/autograder/{name}"]
     return [
         "bwrap", "--unshare-user", "--unshare-all", "--disable-userns", "--die-with-parent", "--new-session",

@@ -73,6 +73,23 @@ def pack_message(message) -> bytes:
     return struct.pack("<Q", len(body)) + body
 
 
+def receive(link):
+    """One message of the grader's, on the student's side."""
+    size = struct.unpack("<Q", _exactly(link, 8))[0]
+    return pickle.loads(_exactly(link, size))
+
+
+def _exactly(link, size):
+    block = bytearray(size)
+    view = memoryview(block)
+    while view:
+        count = link.recv_into(view)
+        if not count:
+            raise EOFError
+        view = view[count:]
+    return bytes(block)
+
+
 def pack_text(message: str, traceback: str) -> bytes:
     """The two texts of an ERROR, cut to their fixed sizes; of a long traceback the end is kept."""
     first = message.encode("utf-8", "replace")[:MESSAGE_BYTES]
@@ -123,7 +140,7 @@ def read_call(count: int, read) -> list[tuple[int, object]]:
     sizes = [_product(shape) if head[0] in (ARRAY, PIXELS) else 0 for shape, head in zip(shapes, heads, strict=True)]
     if sum(sizes) > MAX_VALUES:
         raise Breach(f"{sum(sizes)} values in one call; at most {MAX_VALUES} are served")
-    arguments = []
+    arguments: list[tuple[int, object]] = []
     for head, shape, size in zip(heads, shapes, sizes, strict=True):
         if head[0] in (ARRAY, PIXELS):
             arguments.append((head[0], np.frombuffer(read(8 * size), dtype="<f8").reshape(shape).astype(float)))
