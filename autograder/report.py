@@ -107,7 +107,8 @@ class _Tally:
 
     def __init__(self):
         self.total = self.unreadable = self.weak = 0
-        self.statuses, self.assignments = Counter(), {}
+        self.statuses: Counter[str] = Counter()
+        self.assignments: dict = {}
 
     def add(self, result):
         self.total += 1

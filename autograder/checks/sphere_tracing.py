@@ -248,7 +248,8 @@ def _camera(rng, width, height):
     from framework.camera import Camera
 
     turn = rng.uniform(0, 2 * np.pi)
-    camera = Camera(*np.array([[5 * np.sin(turn), 2.2, 5 * np.cos(turn)], [0, 0.7, 0], [0, 1, 0]]), fov_y=0.7)
+    position = np.array([5 * np.sin(turn), 2.2, 5 * np.cos(turn)])
+    camera = Camera(position, np.array([0, 0.7, 0]), np.array([0, 1.0, 0]), 0.7)
     origin, direction = camera.rays(width, height)
     return origin.reshape(-1, 3).copy(), direction.reshape(-1, 3).copy()
 
