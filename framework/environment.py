@@ -27,7 +27,8 @@ class Environment:
     """
 
     def __init__(self, pixels, on_bad_pixels=None):
-        self.pixels = _clean(_latlong(pixels, "Environment"), on_bad_pixels, "Environment")
+        self.pixels = _positive(_latlong(pixels, "Environment"), on_bad_pixels, "Environment")
+        self.pixels.flags.writeable = False
 
     @classmethod
     def load(cls, path, on_bad_pixels=None):
@@ -37,28 +38,25 @@ class Environment:
         ------
         OSError, ValueError : the file cannot be read, or what it holds is no environment.
         """
-        from framework.cube import cube_to_latlong
         from framework.exr import read_exr
 
         pixels, attributes = read_exr(path)
         if pixels.ndim == 2 or pixels.shape[2] == 2:  # grey, perhaps with alpha
             pixels = np.repeat(pixels.reshape(*pixels.shape[:2], -1)[..., :1], 3, axis=2)
         pixels = pixels[..., :3]
-        if attributes.get("envmap") == "cube":
-            size = pixels.shape[1]
-            if len(pixels) != 6 * size:
-                raise ValueError(f"{path}: a cube map of {pixels.shape[:2]} pixels; want six squares in a column")
-            pixels = cube_to_latlong(_clean(pixels.reshape(6, size, size, 3), on_bad_pixels, path))
-        environment = cls.__new__(cls)
-        environment.pixels = _clean(_latlong(pixels, path), on_bad_pixels, path)
-        return environment
+        if attributes.get("envmap") != "cube":
+            return cls(_positive(_latlong(pixels, path), on_bad_pixels, path))
+        size = pixels.shape[1]
+        if len(pixels) != 6 * size:
+            raise ValueError(f"{path}: a cube map of shape {pixels.shape}; want six squares in a column")
+        return cls.from_cube(_positive(pixels.reshape(6, size, size, 3), on_bad_pixels, path))
 
     @classmethod
-    def from_cube(cls, faces):
+    def from_cube(cls, faces, on_bad_pixels=None):
         """The environment on the faces (6, N, N, 3) of a cube in OpenEXR's order and orientation; 2N rows."""
         from framework.cube import cube_to_latlong
 
-        return cls(cube_to_latlong(faces))
+        return cls(cube_to_latlong(_positive(faces, on_bad_pixels, "Environment.from_cube")))
 
     def to_cube(self, size):
         """The faces (6, size, size, 3) in OpenEXR's order (+x, -x, +y, -y, +z, -z) and orientation."""
@@ -124,37 +122,37 @@ def pixel_solid_angles(height):
 
 
 def _latlong(pixels, name):
-    """The pixels, once it is sure that they are real numbers in the shape of a map."""
+    """The pixels as they are, if (H, 2H, 3); `name` opens messages."""
     pixels = np.asarray(pixels)
-    if pixels.dtype.kind not in "fiu":
-        raise ValueError(f"{name}: pixels are of type {pixels.dtype}; want real numbers")
     if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.shape[1] != 2 * pixels.shape[0] or not pixels.size:
         raise ValueError(f"{name}: pixels have shape {pixels.shape}; want (H, 2H, 3), twice as wide as high")
     return pixels
 
 
-def _clean(pixels, on_bad_pixels, name):
-    """The pixels as a read-only float64 copy without negative values; `name` opens messages."""
+def _positive(pixels, on_bad_pixels, name):
+    """The pixels as a new float64 array without negative values; what is not finite is refused or set to 0."""
     if on_bad_pixels not in (None, "zero"):
         raise ValueError(f"{name}: on_bad_pixels is {on_bad_pixels!r}; want None or 'zero'")
-    pixels = np.array(pixels, dtype=np.float64, order="C")
+    given = np.asarray(pixels)
+    if given.dtype.kind not in "fiu":
+        raise ValueError(f"{name}: pixels are of type {given.dtype}; want real numbers")
+    pixels = np.array(given, dtype=np.float64, order="C")
     bad = ~np.isfinite(pixels)
     if bad.any() and on_bad_pixels is None:
-        *_, row, column, _ = np.argwhere(bad)[0]
+        first = np.argwhere(bad)[0]
         raise ValueError(
-            f"{name}: {bad.sum()} values are not finite, the first is {pixels[bad][0]} "
-            f"at row {row}, column {column}; want finite radiance, or on_bad_pixels='zero'"
+            f"{name}: {bad.sum()} of {bad.size} values are not finite, the first is {pixels[tuple(first)]} "
+            f"at {first.tolist()}; want finite radiance, or on_bad_pixels='zero'"
         )
     negative = ~bad & (pixels < 0)
     changed = [
         f"{mask.sum()} {what}" for mask, what in ((negative, "negative"), (bad, "not finite")) if mask.any()
     ]
     if changed:
-        lowest = f", the lowest {pixels[negative].min():.4g}" if negative.any() else ""
+        lowest = f", the lowest is {pixels[negative].min():.4g}" if negative.any() else ""
         message = f"{name}: {' and '.join(changed)} of {pixels.size} values set to 0{lowest}"
         warnings.warn(message, stacklevel=3)
         pixels[negative | bad] = 0.0
-    pixels.flags.writeable = False
     return pixels
 
 
