@@ -97,7 +97,8 @@ def check_file(path):
     judgements = []
     for task in checks.assignment(read.assignment).tasks:
         if task.name not in read.changed:
-            judgements.append(Judgement(task, PUBLIC_SHARE * points[task.name], [], "not_attempted", message="nothing was filled in"))
+            worth = PUBLIC_SHARE * points[task.name]
+            judgements.append(Judgement(task, worth, [], "not_attempted", message="nothing was filled in"))
             continue
         seed = seed_of(b"", read.assignment, task.id, True)
         expected = public.expected(read.assignment, task.id)
