@@ -215,13 +215,14 @@ def _refuse_not_finite(function, value, arguments):
     bad = np.isnan(value) if function.infinite else ~np.isfinite(value)
     if not bad.any():
         return
-    rows = bad.reshape(bad.shape[0], -1).any(axis=1) if bad.ndim else bad.reshape(1)
-    row, where = int(np.argmax(rows)), ""
-    first = np.asarray(arguments[0]) if arguments and not callable(arguments[0]) else None
-    if first is not None and first.ndim and first.dtype.kind in "biuf" and len(first) == len(rows):
-        where = f"; the first where the first argument is {np.array2string(first[row], precision=4)}"
+    where, first = "", np.asarray(arguments[0]) if arguments and not callable(arguments[0]) else np.array(None)
+    place = np.unravel_index(np.argmax(bad), bad.shape)
+    if first.dtype.kind in "biuf":
+        shared = [k for k in range(1, bad.ndim + 1) if first.shape[:k] == bad.shape[:k]]
+        if shared:
+            where = f"; the first where the first argument is {np.array2string(first[place[: shared[-1]]], precision=4)}"
     kind = "NaN" if np.isnan(value).any() else "infinite"
-    raise Failure("error", f"{int(rows.sum())} of {rows.size} results of {function.name} are {kind}{where}")
+    raise Failure("error", f"{int(bad.sum())} of {bad.size} numbers that {function.name} returned are {kind}{where}")
 
 
 @functools.cache
