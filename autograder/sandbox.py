@@ -26,6 +26,7 @@ from autograder import wall
 
 ROOT = Path(__file__).resolve().parents[1]
 NAMESPACES_SECCOMP, NAMESPACES, PROCESS = "namespaces+seccomp", "namespaces", "process"
+SCRATCH, SCRATCH_BYTES = "/scratch", 64 << 20  # the one place where a task may write
 STRENGTH = (NAMESPACES_SECCOMP, NAMESPACES, PROCESS)
 
 
@@ -174,7 +175,7 @@ class Sandbox:
         }
 
     def _environment(self):
-        home = self._home.name if self._home else "/tmp"
+        home = self._home.name if self._home else SCRATCH
         keep = {name: os.environ[name] for name in ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE") if name in os.environ}
         threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
         return keep | threads | {
@@ -222,7 +223,8 @@ def _bubblewrap(forbidden):
         for name in ("/bin", "/lib", "/lib64"):
             binds += ["--ro-bind-try", name, name]
     binds += ["--ro-bind", "/usr", "/usr", "--ro-bind-try", "/etc/ld.so.cache", "/etc/ld.so.cache"]
-    for prefix in sorted({sys.base_prefix, sys.prefix}):
+    prefixes = sorted({sys.base_prefix, sys.prefix})
+    for prefix in prefixes:
         if not prefix.startswith("/usr"):
             binds += ["--ro-bind", prefix, prefix]
     packages = Path(sysconfig.get_path("purelib"))
@@ -237,8 +239,9 @@ def _bubblewrap(forbidden):
     return [
         "bwrap", "--unshare-user", "--unshare-all", "--disable-userns", "--die-with-parent", "--new-session",
         "--cap-drop", "ALL", "--hostname", "sandbox", *binds, "--dev", "/dev",
-        "--size", str(64 << 20), "--tmpfs", "/tmp", "--size", str(8 << 20), "--tmpfs", "/dev/shm",
-        "--remount-ro", "/", "--chdir", "/tmp",
+        "--size", str(SCRATCH_BYTES), "--tmpfs", SCRATCH, "--size", str(8 << 20), "--tmpfs", "/dev/shm",
+        *([] if any(prefix.startswith("/tmp/") for prefix in prefixes) else ["--symlink", SCRATCH, "/tmp"]),
+        "--remount-ro", "/", "--chdir", SCRATCH,
     ]  # fmt: skip
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from autograder import wall
 from autograder.worker import Task
 
-SCRATCH = ("/tmp", "/dev/shm")
+SCRATCH = ("/scratch", "/dev/shm")
 
 
 def main(control_fd: int) -> None:
