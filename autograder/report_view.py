@@ -26,7 +26,7 @@ CHECK_WORDS = {
     "partial": ("Partial", "part of the answer is right"),
     "fail": ("Fail", "it ran, and the answer is wrong"),
     "not_attempted": ("Not attempted", "the cell is as released"),
-    "error": ("Error", "no answer to judge: an exception stopped it"),
+    "error": ("Error", "no answer that could be judged"),
     "timeout": ("Timeout", "no answer to judge: time ran out"),
     "out_of_memory": ("Out of memory", "no answer to judge: memory ran out"),
     "crashed": ("Crashed", "no answer to judge: Python died"),

@@ -5,6 +5,8 @@ import json
 import numpy as np
 from PIL import Image
 
+from autograder.report import write_page
+
 TASKS = {
     "sphere_tracing": [
         "sdf_sphere",
@@ -108,6 +110,10 @@ def store(out, data, folder=None):
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(data))
     return path
+
+
+def page_of(out, data, folder=None):
+    return write_page(data, store(out, data, folder), out).read_text(encoding="utf-8")
 
 
 EVIL = "</title></style><script>alert(1)</script>\"'><img src=x onerror=alert(2)>{{ 7*7 }}&lt;b&gt;"

@@ -12,14 +12,10 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from PIL import Image
-from report_samples import EVIL, MISTAKE, check, paint, poison, result, sample_checks, store
+from report_samples import EVIL, MISTAKE, check, page_of, paint, poison, result, sample_checks, store
 
 from autograder.report import write_grades, write_index, write_page
 from autograder.report_view import CHECK_WORDS, PICTURE_BYTES, SUBMISSION_WORDS, number, text
-
-
-def page_of(out, data, folder=None):
-    return write_page(data, store(out, data, folder), out).read_text(encoding="utf-8")
 
 
 class Reader(HTMLParser):
@@ -109,10 +105,10 @@ def test_a_page_tells_score_errors_mistake_and_what_would_raise_the_score_most(t
     assert re.match(
         r" 1\.7 sphere_trace up to \+5 1\.6 estimate_normal up to \+4 1\.3 sdf_torus up to \+3", gains
     )
-    for words in ("box without interior term", "Add min(max(q.x", "0.25", "limit 1×10⁻⁹", "hidden input",
-                  "0.0213", "2.13 × the limit", "0.24 of 0.6", "912\u202f345", "11.23 × the reference's 81 234",
+    for words in ("box without interior term", "Add min(max(q.x", "limit 1×10⁻⁹", "missed on hidden inputs",
+                  "rms 0.0213 2.13 × the limit of 0.01", "0.24 of 0.6", "11.23 × the reference's 81 234",
                   "notebook 9f2c", "versions numpy 2.4.0"):  # fmt: skip
-        assert words.replace("\u202f", " ") in page.text, words
+        assert words in page.text, words
 
 
 def test_an_error_lies_on_the_scale_by_its_decades_from_the_limit(tmp_path):
@@ -230,7 +226,7 @@ def test_odd_values_inside_a_result_are_left_empty(tmp_path):
 def test_the_table_of_grades_is_sorted_and_runs_no_formula(tmp_path):
     students = [" zoe", "=cmd|' /C calc'!A0", "+1", "-1", "@SUM(A1)", "\tx", "\rx", 'a,b"c', "amy", "日本"]
     for i, student in enumerate(students):
-        store(tmp_path, result(student, checks=[check("1.1", "f", score=1.25)]), folder=f"s{i}")
+        store(tmp_path, result(student, checks=[check("1.1", "f", score=1.25)]), f"s{i}")
     store(tmp_path, result("amy", "soft_shadows", [check("2.1", "f")]), folder="s8")
     write_grades(tmp_path)
     with (tmp_path / "grades.csv").open(encoding="utf-8", newline="") as file:
