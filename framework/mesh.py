@@ -58,8 +58,8 @@ def _floats(value, name, columns, rows=None):
     if array.dtype.kind not in "biuf":
         raise ValueError(f"Mesh: {name} has dtype {array.dtype}; real numbers are wanted")
     array = np.ascontiguousarray(array, dtype=np.float64)
-    # The sum is finite unless a term is not (or it overflows): no array of flags for a large mesh.
-    if not np.isfinite(array.sum(initial=0.0)) and not np.isfinite(array).all():
+    # Extremes pass on NaN, and take no array of flags, which would weigh on a large mesh.
+    if array.size and not (np.isfinite(array.min()) and np.isfinite(array.max())):
         bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
         raise ValueError(
             f"Mesh: {len(bad)} {name} are not finite, the first in row {bad[0]}; finite ones are wanted"
@@ -109,39 +109,44 @@ def load_mesh(path):
 
     try:
         scene = trimesh.load_scene(path, process=False)
-        parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
+        placed = [scene.graph[node] for node in scene.graph.nodes_geometry]
+        parts = [(scene.geometry[name], matrix) for matrix, name in placed]
+        parts = [part for part in parts if isinstance(part[0], trimesh.Trimesh) and len(part[0].faces)]
+        if path.suffix.lower() == ".stl":  # the format repeats the corners in every triangle
+            parts[0][0].merge_vertices()
     except Exception as error:  # the parsers raise whatever they stumble over: KeyError, struct.error, ...
         raise ValueError(f"load_mesh: {path} cannot be read as {path.suffix[1:]}: {error}") from error
     if not parts:
         raise ValueError(f"load_mesh: {path} holds no triangles; a mesh with at least one is wanted")
-    if path.suffix.lower() == ".stl":  # the format repeats the corners in every triangle
-        for part in parts:
-            part.merge_vertices()
     try:
-        return _concatenate(parts)
+        return _concatenate([_place(part, matrix) for part, matrix in parts])
     except ValueError as error:
         raise ValueError(f"load_mesh: {path}: {error}") from error
 
 
-def _concatenate(parts):
-    """One Mesh of several; normals and uv where every part has them."""
-    first = np.cumsum([0] + [len(part.vertices) for part in parts[:-1]])
-    faces = np.concatenate([part.faces + offset for part, offset in zip(parts, first, strict=True)])
-    normals, uv = (
-        [_file_normals(part) for part in parts],
-        [getattr(part.visual, "uv", None) for part in parts],
-    )
+def _place(part, matrix):
+    """A part of a scene as a Mesh, moved to its place."""
+    linear = matrix[:3, :3]
+    faces = part.faces if np.linalg.det(linear) > 0 else part.faces[:, ::-1]  # a mirror turns the winding
+    normals = None
+    if "vertex_normals" in part._cache:  # came with the file; trimesh would make up others when asked
+        normals = normalize(part.vertex_normals @ np.linalg.inv(linear))
+    uv = getattr(part.visual, "uv", None)
+    return Mesh(part.vertices @ linear.T + matrix[:3, 3], faces, normals, None if uv is None else uv[:, :2])
+
+
+def _concatenate(meshes):
+    """One mesh of several; with normals and uv where every one has them."""
+    if len(meshes) == 1:
+        return meshes[0]
+    first = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    normals, uv = [mesh.normals for mesh in meshes], [mesh.uv for mesh in meshes]
     return Mesh(
-        np.concatenate([part.vertices for part in parts]),
-        faces,
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, first, strict=True)]),
         None if any(n is None for n in normals) else np.concatenate(normals),
-        None if any(t is None for t in uv) else np.concatenate([t[:, :2] for t in uv]),
+        None if any(t is None for t in uv) else np.concatenate(uv),
     )
-
-
-def _file_normals(part):
-    """Normals that came with the file: trimesh would make up the others from the faces when asked."""
-    return part.vertex_normals if "vertex_normals" in part._cache else None
 
 
 def sphere(radius=1.0, center=(0.0, 0.0, 0.0), rings=32, segments=64):
@@ -170,15 +175,16 @@ def bumpy_sphere(triangles, amplitude=0.05, frequency=9.0):
 def shading_ball(rings=192, segments=256):
     """A closed ball of radius 1 with a groove, on a foot: it shows a material on convex and concave parts.
 
-    Its middle is the origin, its axis +y; the foot's underside is flat and lies at y = -1.2.
+    Its middle is the origin, its axis +y; the foot stands at y = -1.2.
     """
 
     def radius(direction):
         y = direction[:, 1]
         across = np.sqrt(np.maximum(1.0 - y * y, 0.0))
         groove = 0.12 * np.exp(-(((y - 0.35) / 0.09) ** 4))
-        # The foot is a disc seen from the origin: its underside or its rim, whichever is nearer.
-        foot = np.where(y < 0, 1.0 / np.maximum(np.abs(y) / 1.2, across / 0.62), 0.0)
+        # The foot is a disc seen from the origin, its underside or its rim, whichever is nearer. The high
+        # power rounds the edge between them.
+        foot = np.where(y < 0, ((y / 1.2) ** 16 + (across / 0.62) ** 16) ** (-1 / 16), 0.0)
         # A rounded maximum, so that the joint is a fillet.
         gap = np.maximum(0.05 - np.abs(1.0 - foot), 0.0)
         return np.maximum(1.0, foot) + gap**2 / 0.2 - groove
