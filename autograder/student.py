@@ -12,7 +12,7 @@ import numpy as np
 
 from autograder import wall
 
-MAX_SERVED_CALLS = 200_000
+MAX_SERVED_CALLS, MAX_DEPTH = 200_000, 16
 
 
 class Failure(Exception):
@@ -54,7 +54,7 @@ class Remote:
         self._sandbox, self._link, self._limits = sandbox, link, sandbox.limits
         self._served = list(lower.values())
         self._final = self._deadline = deadline
-        self._calls = 0
+        self._calls = self._depth = 0
         self.cell, self.cell_failures = None, {}
 
     def load(self, job):
@@ -90,7 +90,10 @@ class Remote:
             self._link.recv(1)
 
     def _ask(self, message):
+        if self._depth >= MAX_DEPTH:
+            raise Failure("crashed", f"its functions and the grader's call each other more than {MAX_DEPTH} deep")
         outer = self._deadline
+        self._depth += 1
         self._deadline = min(time.monotonic() + self._limits.call_wall_seconds, self._final)
         returns = message[3]
         try:
@@ -111,6 +114,7 @@ class Remote:
             raise Failure("crashed", f"the process broke the protocol: {breach}") from None
         finally:
             self._deadline = outer
+            self._depth -= 1
 
     def _serve(self, number, count):
         """Answer a call of the student's to one of the grader's functions; its time is not the student's."""
