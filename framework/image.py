@@ -93,7 +93,8 @@ def _read_png(path):
 
     with Path(path).open("rb") as file:
         try:
-            with Image.open(file, formats=["PNG"]) as png:
+            with Image.open(file, formats=["PNG"]) as opened:
+                png: Image.Image = opened
                 if png.width * png.height > _MAX_PIXELS:
                     raise ValueError(f"{png.width} x {png.height} pixels are too many")
                 if png.mode == "P":
