@@ -117,15 +117,16 @@ class EnvironmentLight:
             count = sum(name.startswith("chain_") for name in arrays)
             parts = [arrays[name] for name in ("env", "irradiance_map", "roughness_levels", "lut")]
             chain = [arrays[f"chain_{i}"] for i in range(count)]
-        except OSError as error:
-            if error.errno is None:  # NumPy's word for a file that is no archive
-                raise ValueError(f"{path}: no EnvironmentLight: {error}") from None
-            raise
-        except (KeyError, ValueError, EOFError, AttributeError, TypeError, zipfile.BadZipFile) as error:
-            raise ValueError(f"{path}: no EnvironmentLight, or a damaged one: {error}") from None
-        env, irradiance_map, levels, lut = parts
-        # 0.1 in float32 is not 0.1: levels are given with few digits.
-        return cls(Environment(env), irradiance_map, chain, np.round(levels.astype(np.float64), 6), lut)
+            env, irradiance_map, levels, lut = parts
+            # 0.1 in float32 is not 0.1: levels are given with few digits.
+            return cls(Environment(env), irradiance_map, chain, np.round(levels.astype(np.float64), 6), lut)
+        except (
+            Exception
+        ) as error:  # zip, NumPy's header and the arrays themselves: each fails in its own ways
+            if isinstance(error, OSError) and error.errno is not None:
+                raise
+            reason = " ".join(str(error).split())
+            raise ValueError(f"{path}: no EnvironmentLight, or a damaged one: {reason}") from None
 
 
 def _map(pixels, name):

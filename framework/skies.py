@@ -62,7 +62,9 @@ def sun_and_sky(height, to_sun=(0.4, 0.6, 0.5), angular_radius=0.00465, sun_radi
     middle = normalize(np.asarray(to_sun, dtype=float))
     if not np.any(middle):
         raise ValueError("sun_and_sky: to_sun has no direction; want a vector that is not 0")
-    covered = _coverage(height, lambda d: np.linalg.norm(d - middle, axis=-1) <= 2 * np.sin(angular_radius / 2))
+    covered = _coverage(
+        height, lambda d: np.linalg.norm(d - middle, axis=-1) <= 2 * np.sin(angular_radius / 2)
+    )
     energy = np.sum(covered * back.solid_angles())
     disc = 4 * np.pi * np.sin(angular_radius / 2) ** 2
     if energy == 0:  # smaller than the gaps between the samples: it shines in one pixel
@@ -183,9 +185,9 @@ def _shape(height):
 
 
 def _view(direction):
-    """Forward, right and up of somebody inside who looks along a direction; +y up, at the poles -z."""
+    """Forward, right and up of somebody inside who looks along a direction; from -z the head bends to the poles."""
     forward = normalize(np.asarray(direction, dtype=float))
-    up = np.array([0.0, 1.0, 0.0]) if abs(forward[1]) < 0.999 else np.array([0.0, 0.0, -1.0])
+    up = np.array([0.0, 1.0, 0.0]) if abs(forward[1]) < 0.999 else np.array([0.0, 0.0, forward[1]])
     right = normalize(np.cross(forward, up))
     return forward, right, np.cross(right, forward)
 
@@ -218,4 +220,6 @@ def _rows(height, rows):
     theta = np.pi * (np.arange(height)[rows] + 0.5) / height
     phi = np.pi * (np.arange(2 * height) + 0.5) / height
     sine = np.sin(theta)[:, None]
-    return np.stack(np.broadcast_arrays(sine * np.sin(phi), np.cos(theta)[:, None], -sine * np.cos(phi)), axis=-1)
+    return np.stack(
+        np.broadcast_arrays(sine * np.sin(phi), np.cos(theta)[:, None], -sine * np.cos(phi)), axis=-1
+    )

@@ -58,7 +58,9 @@ def test_steps_across_seam_and_poles_are_no_larger_than_inside(axis):
     t = np.linspace(-0.2, 0.2, 4000)  # not the pole itself: its value depends on where one comes from
     shift = np.linspace(0, np.pi, 7)[1:-1, None]
     if axis == "seam":  # along parallels, through phi = 0
-        d = np.stack(np.broadcast_arrays(np.sin(shift) * np.sin(t), np.cos(shift), -np.sin(shift) * np.cos(t)), -1)
+        d = np.stack(
+            np.broadcast_arrays(np.sin(shift) * np.sin(t), np.cos(shift), -np.sin(shift) * np.cos(t)), -1
+        )
         inside = np.stack([-d[..., 0], d[..., 1], -d[..., 2]], -1)
     else:  # along meridians, over +y
         d = np.stack(np.broadcast_arrays(np.sin(t) * np.cos(shift), np.cos(t), np.sin(t) * np.sin(shift)), -1)
@@ -71,7 +73,9 @@ def test_steps_across_seam_and_poles_are_no_larger_than_inside(axis):
 def test_the_compiled_look_up_equals_the_numpy_one():
     from framework.lookup_kernel import bilinear
 
-    d = np.concatenate([directions(5000) * RNG.uniform(1e-3, 1e3, (5000, 1)), np.eye(3), -np.eye(3), np.zeros((1, 3))])
+    d = np.concatenate(
+        [directions(5000) * RNG.uniform(1e-3, 1e3, (5000, 1)), np.eye(3), -np.eye(3), np.zeros((1, 3))]
+    )
     assert_allclose(bilinear(SKY.pixels, d), _bilinear(SKY.pixels, d), rtol=1e-12, atol=1e-14)
 
 
@@ -106,7 +110,9 @@ def test_pixels_that_are_not_finite_are_refused_unless_asked():
         assert fw.Environment(pixels, on_bad_pixels="zero").pixels[1, 2, 0] == 0
 
 
-@pytest.mark.parametrize("pixels", [np.ones((4, 4, 3)), np.ones((4, 8)), np.ones((0, 0, 3)), np.full((1, 2, 3), "a")])
+@pytest.mark.parametrize(
+    "pixels", [np.ones((4, 4, 3)), np.ones((4, 8)), np.ones((0, 0, 3)), np.full((1, 2, 3), "a")]
+)
 def test_other_shapes_and_kinds_are_refused_in_a_sentence(pixels):
     with pytest.raises(ValueError, match="want"):
         fw.Environment(pixels)
@@ -170,6 +176,13 @@ def test_cube_faces_stand_where_openexr_defines_them():
         assert nearest(color, marks) == name
 
 
+def test_a_cube_pixel_is_the_mean_over_its_solid_angle():
+    """Over the face +y the mean of y is the square's form factor, 4 atan(1 / sqrt 2) / sqrt 2, by 2 pi / 3."""
+    env = fw.Environment(1 + fw.skies.constant(64).directions()[..., 1:2] * np.ones(3))
+    mean = 4 * np.arctan(1 / np.sqrt(2)) / np.sqrt(2) / (2 * np.pi / 3)
+    assert_allclose(env.to_cube(1)[[2, 3], 0, 0, 0], [1 + mean, 1 - mean], atol=1e-3)
+
+
 def test_a_cube_file_is_read_as_the_same_environment(tmp_path):
     d = fw.skies.constant(64).directions()
     env = fw.Environment(0.5 + 0.2 * d)
@@ -196,7 +209,9 @@ def test_map_to_cube_to_map_keeps_a_smooth_map_everywhere():
 
 def light():
     chain = [fw.skies.gradient(h).pixels for h in (16, 8, 4)]
-    return fw.EnvironmentLight(SKY, fw.skies.gradient(8).pixels, chain, [0.0, 0.5, 1.0], RNG.random((16, 16, 2)))
+    return fw.EnvironmentLight(
+        SKY, fw.skies.gradient(8).pixels, chain, [0.0, 0.5, 1.0], RNG.random((16, 16, 2))
+    )
 
 
 def test_a_light_file_is_the_same_bytes_and_gives_the_same_light(tmp_path):
@@ -222,9 +237,22 @@ def test_a_light_interpolates_between_levels_and_stops_at_the_ends():
 
 def test_a_damaged_light_file_is_refused_by_name(tmp_path):
     path = tmp_path / "light.npz"
-    path.write_bytes(b"PK nothing")
-    with pytest.raises(ValueError, match=re.escape(str(path))):
-        fw.EnvironmentLight.load(path)
+    light().save(path)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(2)
+    for i in range(60):
+        block = bytearray(whole[: rng.integers(len(whole))] if i % 2 else whole)
+        for place in rng.integers(
+            -400, 300, 4 * (1 - i % 2)
+        ):  # the first header, and the directory at the end
+            block[place] = rng.integers(256)
+        path.write_bytes(block)
+        try:
+            fw.EnvironmentLight.load(path)
+        except ValueError as error:
+            assert re.match(re.escape(str(path)) + r"[^\n]+$", str(error))
+        else:
+            assert i % 2 == 0
 
 
 def test_the_real_map_loads_with_its_negative_pixels_counted():

@@ -54,6 +54,15 @@ def test_lossy_files_are_read_nearly(tmp_path, compression):
     np.testing.assert_allclose(fw.read_image(tmp_path / "a.exr")[..., 1], ramp, atol=0.05)
 
 
+def test_tiles_and_channels_of_mixed_kinds_are_read(tmp_path):
+    values = dict(zip("RGB", planes(np.float32), strict=False))
+    write(tmp_path / "t.exr", dict(values), type=OpenEXR.tiledimage, tiles=OpenEXR.TileDescription())
+    assert_array_equal(fw.read_image(tmp_path / "t.exr"), np.stack(list(values.values()), axis=-1))
+    values["G"] = values["G"].astype(np.float16)
+    write(tmp_path / "m.exr", dict(values))
+    assert_array_equal(fw.read_image(tmp_path / "m.exr"), np.stack(list(values.values()), axis=-1))
+
+
 def test_attributes_are_kept(tmp_path):
     attributes = {"scene": "two spheres", "error": 0.125, "envmap": "latlong"}
     fw.write_image(tmp_path / "a.exr", np.ones((2, 4, 3), np.float32), attributes=attributes)
@@ -90,6 +99,8 @@ def test_bad_files_get_one_sentence_with_their_name(tmp_path, capfd):
         with pytest.raises((ValueError, OSError)) as said:
             fw.read_image(tmp_path / name)
         assert name in str(said.value) and "\n" not in str(said.value), name
+        # told by the header, before anything is allocated
+        assert name != "huge.exr" or "100000 x 100000" in str(said.value)
     assert capfd.readouterr().out == ""
 
 

@@ -10,6 +10,10 @@ from framework.sampling import van_der_corput
 
 def test_van_der_corput_mirrors_the_bits():
     assert_allclose(van_der_corput(np.arange(8)), [0, 1 / 2, 1 / 4, 3 / 4, 1 / 8, 5 / 8, 3 / 8, 7 / 8])
+    assert_allclose(van_der_corput([2**16, 2**31, 2**32 - 1]), [2.0**-17, 2.0**-32, 1 - 2.0**-32], rtol=1e-15)
+    for index in (-1, 2**32, 0.5):
+        with pytest.raises(ValueError, match="whole numbers"):
+            van_der_corput(index)
 
 
 def test_every_elementary_interval_of_hammersley_has_its_point():
@@ -35,7 +39,9 @@ def test_half_vectors_of_ggx_have_their_closed_distribution(alpha):
     assert np.abs(azimuth - (np.arange(40000) + 0.5) / 40000).max() < 1.95 / np.sqrt(40000)
 
 
-@pytest.mark.parametrize(("xi", "alpha"), [(np.zeros((4, 3)), 0.5), (np.ones((4, 2)), 0.5), (np.zeros((4, 2)), 0.0)])
+@pytest.mark.parametrize(
+    ("xi", "alpha"), [(np.zeros((4, 3)), 0.5), (np.ones((4, 2)), 0.5), (np.zeros((4, 2)), 0.0)]
+)
 def test_points_and_widths_out_of_range_are_refused(xi, alpha):
     with pytest.raises(ValueError, match="sample_ggx"):
         fw.sample_ggx(xi, alpha)
