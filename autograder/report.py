@@ -61,10 +61,8 @@ def write_index(out):
             student, assignment = (view.text(name, 200) for name in view.names(path, result))
             page = f"pages/{path.parent.name}/{path.stem}.html"
             link = quote(page) if (out / page).is_file() else ""
-            submission = view.submission(result) if result else None
-            text = row.render(
-                r=submission, problem=problem, student=student, assignment=assignment, link=link
-            )
+            shown = {"r": view.row(result) if result else None, "problem": problem, "link": link}
+            text = row.render(**shown, student=student, assignment=assignment)
             places.append((student, assignment, rows.tell()))
             rows.write(text.replace("\n", " ").encode() + b"\n")
         script = Markup((TEMPLATES / "index.js").read_text(encoding="utf-8"))

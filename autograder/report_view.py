@@ -113,12 +113,25 @@ def submission(result):
     }
 
 
+def row(result):
+    """What the index shows of a result that `require_result` has accepted."""
+    checks = [
+        {"id": text(check.get("id"), 20), "name": text(check.get("name"), 40), "status": _status(check)}
+        for check in result["checks"]
+    ]
+    return {**{key: result[key] for key in ("status", "score", "max_score")}, "checks": checks}
+
+
+def _status(check):
+    return check.get("status") if check.get("status") in list(CHECK_WORDS) else "error"
+
+
 def _loss(check):
     return check["max_score"] - check["score"]
 
 
 def _check(check):
-    status = check.get("status") if check.get("status") in list(CHECK_WORDS) else "error"
+    status = _status(check)
     max_score = number(check.get("max_score")) or 0.0
     measures = check.get("measures")
     if not isinstance(measures, list) or not measures:
@@ -141,7 +154,6 @@ def _check(check):
         "evaluations_reference": needed,
         "work": _ratio(done, needed),
         "scale": number(check.get("scale")),
-        "cpu_seconds": number(check.get("cpu_seconds")),
         "traceback": text(check.get("traceback"), 8000).strip("\n"),
         "prints": text(check.get("prints"), 20000).strip("\n"),
         "images": images if isinstance(images, dict) else {},

@@ -9,7 +9,6 @@ from base64 import b64decode
 from hashlib import sha256
 from html.parser import HTMLParser
 
-import numpy as np
 import pytest
 from PIL import Image
 from report_samples import EVIL, MISTAKE, check, page_of, paint, poison, result, sample_checks, store
@@ -208,7 +207,7 @@ def test_a_foreign_or_broken_file_gets_a_row_and_stops_nothing(tmp_path):
 def test_odd_values_inside_a_result_are_left_empty(tmp_path):
     odd = [None, -1, 1e308, float("nan"), float("inf"), 10**400, "7", [], {}, True]
     keys = ["error", "tolerance", "evaluations", "evaluations_reference", "measures", "images", "scale",
-            "traceback", "prints", "caption", "message", "likely_mistake", "hint", "metric", "cpu_seconds"]  # fmt: skip
+            "traceback", "prints", "caption", "message", "likely_mistake", "hint", "metric"]  # fmt: skip
     checks = [check(str(i), "f", **{key: value for key in keys}) for i, value in enumerate(odd)]
     checks += [
         check("x", "f", measures=[dict.fromkeys(["error", "tolerance", "share", "credit"], v)]) for v in odd
@@ -220,7 +219,7 @@ def test_odd_values_inside_a_result_are_left_empty(tmp_path):
     ]
     html = page_of(tmp_path, result(checks=checks, record=odd))
     assert not re.search(r"\b(nan|inf)\b", Reader(html).text.replace("NaN", ""))
-    assert number(10**400) is None and number(True) is None and number(np.int64(3)) == 3.0
+    assert number(10**400) is None and number(True) is None
 
 
 def test_the_table_of_grades_is_sorted_and_runs_no_formula(tmp_path):
