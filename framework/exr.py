@@ -162,7 +162,8 @@ def _narrowed(path, image, dtype, on_overflow):
 def _quiet_stdout():
     """Collects what this thread prints, for OpenEXR prints its warnings; other threads print as ever."""
     with _STDOUT:
-        before, said = sys.stdout, []
+        said: list[str] = []
+        before = sys.stdout
         sys.stdout = _Aside(before, said)
         try:
             yield said

@@ -40,9 +40,9 @@ def lookup(pixels, direction):
     flat = np.ascontiguousarray(direction.reshape(-1, 3))
     if len(flat) >= (_COMPILED_FROM if "numba" in sys.modules else _LOADED_FROM):
         from framework.lookup_kernel import bilinear
-    else:
-        bilinear = _bilinear
-    return bilinear(pixels, flat).reshape(direction.shape)
+
+        return bilinear(pixels, flat).reshape(direction.shape)
+    return _bilinear(pixels, flat).reshape(direction.shape)
 
 
 def _bilinear(pixels, direction):

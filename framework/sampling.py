@@ -18,8 +18,8 @@ def van_der_corput(index):
     if bits.dtype.kind not in "iu" or (bits.size and (bits.min() < 0 or bits.max() >= 2**32)):
         raise ValueError("van_der_corput: index must be whole numbers from 0 to 2^32 - 1")
     bits = bits.astype(np.uint64)
-    for shift, mask in ((1, 0x55555555), (2, 0x33333333), (4, 0x0F0F0F0F), (8, 0x00FF00FF), (16, 0x0000FFFF)):
-        mask = np.uint64(mask)
+    for shift, pattern in ((1, 0x55555555), (2, 0x33333333), (4, 0x0F0F0F0F), (8, 0x00FF00FF), (16, 0xFFFF)):
+        mask = np.uint64(pattern)
         bits = ((bits & mask) << np.uint64(shift)) | ((bits >> np.uint64(shift)) & mask)
     return bits / 2.0**32
 
