@@ -85,13 +85,18 @@ def write_exr(path, image, half=False, attributes=None, on_overflow="raise", com
         if header["envmap"] not in kinds:
             raise ValueError(f"{path}: attribute envmap is {header['envmap']!r}; want 'latlong' or 'cube'")
         header["envmap"] = kinds[header["envmap"]]
-    with Path(path).open("ab"):  # a folder that is missing or closed to us is an OSError that says so
-        pass
+    part = Path(f"{path}.part")  # what fails half way leaves the old file alone
+    part.touch()  # a folder that is missing or closed to us is an OSError that says so
     try:
         with _quiet_stdout(), OpenEXR.File(header, channels) as file:
-            file.write(str(path))
+            file.write(str(part))
+        part.replace(path)
+    except OSError:
+        raise
     except Exception as error:
         raise ValueError(f"{path}: cannot be written: {error}") from None
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def _decode(path, header_only, take):

@@ -80,6 +80,26 @@ def test_halves_beyond_their_range_are_refused_or_clamped_with_a_count(tmp_path)
     assert fw.read_image(tmp_path / "a.exr").max() == 65504
 
 
+def test_what_cannot_be_written_leaves_the_folder_as_it_was(tmp_path):
+    image, path = np.ones((2, 4, 3), np.float32), tmp_path / "a.exr"
+    for wrong in (
+        {"attributes": {"envmap": "sphere"}},
+        {"attributes": {"x": object()}},
+        {"compression": "mp3"},
+    ):
+        with pytest.raises(ValueError, match="a.exr"):
+            fw.write_image(path, image, **wrong)
+    with pytest.raises(ValueError, match="uint8.*want floating point"):
+        fw.write_image(path, image.astype(np.uint8))
+    with pytest.raises(FileNotFoundError):
+        fw.write_image(tmp_path / "missing" / "a.exr", image)
+    assert not list(tmp_path.iterdir())
+    fw.write_image(path, image)
+    with pytest.raises(ValueError):
+        fw.write_image(path, 2 * image, attributes={"x": object()})
+    assert_array_equal(fw.read_image(path), image)
+
+
 def bad_files(folder):
     good = folder / "good.exr"
     fw.write_image(good, np.ones((8, 16, 3), np.float32))
