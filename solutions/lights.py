@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 import framework as fw
 from solutions.prefilter import irradiance, prefilter_chain
 from solutions.split_sum import brdf_lut
@@ -22,18 +24,19 @@ def small_sky(height):
         return fw.Environment.load(path).resized(height)
 
 
-def build(path):
+def build(path, brightest=np.inf):
     """Write the sky, filtered and ready for shading, as `framework.EnvironmentLight` to an `.npz` file.
 
     Parameters
     ----------
     path : str or Path      its folder must exist
+    brightest : float       pixels above it are clamped: without a sun, Monte Carlo converges while one waits
 
     Returns
     -------
     framework.EnvironmentLight      what was written
     """
-    env = small_sky(64)
+    env = fw.Environment(np.minimum(small_sky(64).pixels, brightest))
     chain = prefilter_chain(env, ROUGHNESS_LEVELS, HEIGHTS, 1024)
     light = fw.EnvironmentLight(env, irradiance(env, 16), chain, ROUGHNESS_LEVELS, brdf_lut(64, 4096))
     light.save(path)
@@ -44,5 +47,5 @@ if __name__ == "__main__":
     for name in ("prefilter", "split_sum", "environment_shadows"):
         (DATA / name).mkdir(parents=True, exist_ok=True)
     fw.write_image(DATA / "prefilter" / "sky.exr", small_sky(32).pixels)
-    for name in ("split_sum", "environment_shadows"):
-        build(DATA / name / "light.npz")
+    build(DATA / "split_sum" / "light.npz", brightest=10.0)
+    build(DATA / "environment_shadows" / "light.npz")

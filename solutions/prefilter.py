@@ -310,7 +310,7 @@ def prefilter(env, alpha, height, samples):
 
 # %% tags=["active-ipynb"]
 # def spread_of_means(env, alpha, samples):
-#     rng, repeats = np.random.default_rng(0), 2**17 // samples
+#     rng, repeats = np.random.default_rng(0), 2**16 // samples
 #     n = fw.normalize([0.3, 0.7, -0.5])
 #     h = sample_ggx(rng.random((samples * repeats, 2)), alpha)
 #     l = 2 * h[:, 2:] * h - [0, 0, 1]

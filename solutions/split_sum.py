@@ -13,11 +13,59 @@
 
 # %% [markdown]
 # # The split sum
+#
+# ![A ball of gold and a ball of clay in a row from smooth to rough](goal.png)
+#
+# A polished and a brushed spoon, a glazed and an unglazed cup: the difference is what happens between the light and
+# the eye, at a surface rougher than one can see. You will build the model that games and films use for it,
+# compute its light once the right way, by **adding up hundreds of directions at every point**, and then
+# the fast way, with **two look-ups**. And you will measure what the fast way gets wrong, and where.
+#
+# You need the idea of the notebook `prefilter`: an environment blurred by the lobe of a rough mirror. The
+# blurred maps are given here, ready-made.
+#
+# **How it works.** Each section explains one idea and asks for one function. Write it in place of
+# `raise NotImplementedError()`, run the cell, then run the `check` under it: it tells you what it found,
+# how far off you are and how far off you may be, and shows three pictures: yours, the expected one, and the
+# difference. You may run it as often as you like. If a cell stops with a `NotImplementedError`, the line
+# above the error names the function that is still to be written.
+#
+# **What is graded.** Only the cells that hold the functions are taken over from your notebook. Each of them
+# may use `np`, `fw` and the functions above it, so if you need a helper or a constant, put it into the same
+# cell. Each function is judged by itself, with right versions of the ones before it: one mistake never
+# costs you twice.
 
 # %%
 import numpy as np
 
 import framework as fw
+
+# %% tags=["active-ipynb"]
+# import time
+#
+# import matplotlib.pyplot as plt
+#
+# light = fw.EnvironmentLight.load("light.npz")
+# fw.show.image(light.env.pixels, title="The light: a sky whose sun is behind a thin cloud")
+
+# %% tags=["active-ipynb"]
+# from autograder import check
+
+# %% [markdown]
+# ## 4.1 How much is reflected: Fresnel
+#
+# Look down into a pond and you see its ground; look across and you see the sky. Every surface reflects more at a
+# grazing angle, and everything at the last. The exact formulas are long. Schlick's fit needs one number, $R_0$,
+# the reflectance straight from above:
+#
+# $$F(\theta) = R_0 + (1 - R_0)(1 - \cos\theta)^5 .$$
+#
+# For glass or water $R_0$ follows from the indices of refraction on both sides. Metals have high values, and a
+# different one for each colour: that is the colour of gold.
+#
+# $$R_0 = \left(\frac{n_1 - n_2}{n_1 + n_2}\right)^2$$
+#
+# A cosine that is larger than 1 by a rounding error must not do harm: clip it.
 
 
 # %% nbgrader={"grade_id": "fresnel", "solution": true}
@@ -57,6 +105,37 @@ def r0_from_ior(n1, n2):
     ### BEGIN SOLUTION
     return (np.subtract(n1, n2) / np.add(n1, n2)) ** 2
     ### END SOLUTION
+
+
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-4-1", "points": 2}
+# check("4.1")
+
+# %% tags=["active-ipynb"]
+# angle = np.linspace(0, 90, 200)
+# plt.figure(figsize=(6, 3.5))
+# glass, water = r0_from_ior(1.0, 1.5), r0_from_ior(1.0, 1.33)
+# for name, r0 in (("gold, red", 1.0), ("gold, blue", 0.34), ("glass", glass), ("water", water)):
+#     plt.plot(angle, fresnel_schlick(r0, np.cos(np.radians(angle))), label=f"{name}: R0 = {r0:.3f}")
+# plt.xlabel("angle to the normal, degrees")
+# plt.ylabel("reflectance")
+# plt.legend()
+# plt.show()
+
+# %% [markdown]
+# ## 4.2 Where the facets point: the distribution of normals
+#
+# A microfacet reflects $l$ into $v$ if its own normal is the half vector between them. $D$ says how many facets
+# point in each direction, per steradian. With $\theta$ the tilt of the half vector, $\cos\theta = n \cdot h$:
+#
+# $$D_\text{Beckmann} = \frac{e^{-\tan^2\theta / \alpha^2}}{\pi \alpha^2 \cos^4\theta}, \qquad
+# D_\text{GGX} = \frac{\alpha^2}{\pi \left(1 + (\alpha^2 - 1) \cos^2\theta\right)^2}$$
+#
+# $\alpha$ is the roughness squared, which makes equal steps of roughness look equal. At $\cos\theta \le 0$
+# both are 0.
+#
+# They must work down to $\alpha = 10^{-4}$, where $1 + (\alpha^2 - 1)\cos^2\theta$ is the difference of two
+# numbers close to 1. Written as $\alpha^2 \cos^2\theta + (1 - \cos\theta)(1 + \cos\theta)$ it is a sum, and nothing
+# is lost.
 
 
 # %% nbgrader={"grade_id": "ndf", "solution": true}
@@ -109,6 +188,39 @@ def ndf_ggx(cos_h, alpha):
     ### END SOLUTION
 
 
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-4-2", "points": 3}
+# check("4.2")
+
+# %% [markdown]
+# The same $\alpha$, two characters. Beckmann falls off like a Gaussian, GGX has a narrower peak and a long
+# tail. On a logarithmic scale one sees why highlights of GGX have a glow around them, as real ones have.
+
+# %% tags=["active-ipynb"]
+# theta = np.linspace(0, np.pi / 2, 300)
+# fig, axes = plt.subplots(1, 2, figsize=(9, 3.5))
+# for axis in axes:
+#     for roughness, color in ((0.4, "tab:blue"), (0.7, "tab:orange")):
+#         axis.plot(np.degrees(theta), ndf_ggx(np.cos(theta), roughness**2), color=color, label=f"GGX, roughness {roughness}")
+#         axis.plot(np.degrees(theta), ndf_beckmann(np.cos(theta), roughness**2), "--", color=color, label="Beckmann")
+#     axis.set_xlabel("tilt, degrees")
+# axes[1].set_yscale("log")
+# axes[1].set_ylim(1e-4, 30)
+# axes[0].legend(fontsize=8)
+# plt.show()
+
+# %% [markdown]
+# ## 4.3 Facets in the way: masking and shadowing
+#
+# Facets stand in each other's way, most of all at grazing angles. $G$ is the part of them that both the light and
+# the viewer see. Smith's form derives it from $D$. For GGX, with light and view at heights that belong together:
+#
+# $$G = \frac{1}{1 + \Lambda(i) + \Lambda(o)}, \qquad
+# \Lambda = \frac{\sqrt{1 + \alpha^2 \tan^2\theta} - 1}{2}$$
+#
+# 0 where either cosine is at or below 0. There are other forms about: the product of two separate terms,
+# or Schlick's with a $k$. They are not the same; here it is the height-correlated one.
+
+
 # %% nbgrader={"grade_id": "masking_shadowing", "solution": true}
 def masking_shadowing(cos_i, cos_o, alpha):
     """Fraction of the microfacets that both directions see.
@@ -134,6 +246,31 @@ def masking_shadowing(cos_i, cos_o, alpha):
     above = np.greater(cos_i, 0.0) & np.greater(cos_o, 0.0)
     return np.where(above, 2.0 / (slope_i + slope_o), 0.0)
     ### END SOLUTION
+
+
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-4-3", "points": 2}
+# check("4.3")
+
+# %% tags=["active-ipynb"]
+# cosine = np.linspace(0.001, 1, 300)
+# plt.figure(figsize=(6, 3.5))
+# for roughness in (0.3, 0.6, 1.0):
+#     plt.plot(np.degrees(np.arccos(cosine)), masking_shadowing(cosine, 1.0, roughness**2), label=f"roughness {roughness}")
+# plt.xlabel("angle of the light, degrees; the view is straight above")
+# plt.ylabel("G")
+# plt.legend()
+# plt.show()
+
+# %% [markdown]
+# ## 4.4 The microfacet BRDF
+#
+# Everything together: of the facets that point along $h$ (there are $D$), the visible part ($G$) reflects the share
+# $F$. The denominator turns densities of normals into densities of directions.
+#
+# $$f_r(i, o) = \frac{F\, G\, D}{4\, (n \cdot i)\, (n \cdot o)}, \qquad h = \frac{i + o}{\lVert i + o \rVert}$$
+#
+# The facets are the mirrors, so $F$ takes *their* angle, $v \cdot h$, not the angle to $n$. Return 0 where light or
+# view is at or below the horizon. `r0` may be a number, a colour or one colour a point: make it a colour first.
 
 
 # %% nbgrader={"grade_id": "microfacet_brdf", "solution": true}
@@ -169,6 +306,56 @@ def microfacet_brdf(normal, view, to_light, r0, alpha):
     r0 = np.asarray(r0, dtype=float) * np.ones(3)
     return scale[..., None] * fresnel_schlick(r0, fw.arrays.dot(view, half)[..., None])
     ### END SOLUTION
+
+
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-4-4", "points": 4}
+# check("4.4")
+
+# %% [markdown]
+# Slices through the lobe. The light comes from the left; each curve says how much goes out in each direction.
+
+# %% tags=["active-ipynb"]
+# out = np.linspace(-np.pi / 2, np.pi / 2, 721)[1:-1]
+# direction = np.stack([np.sin(out), np.cos(out), np.zeros_like(out)], axis=-1)
+# up = np.broadcast_to([0.0, 1.0, 0.0], direction.shape)
+# fig, axes = plt.subplots(1, 3, figsize=(10, 3.2), subplot_kw={"projection": "polar"})
+# for axis, degrees in zip(axes, (10, 45, 75)):
+#     incoming = np.array([-np.sin(np.radians(degrees)), np.cos(np.radians(degrees)), 0.0])
+#     for roughness in (0.4, 0.6, 0.9):
+#         f = microfacet_brdf(up, direction, incoming, 0.5, roughness**2)[:, 0] * np.cos(out)
+#         axis.plot(out, f / f.max(), label=f"roughness {roughness}")
+#     axis.set_theta_zero_location("N")
+#     axis.set_theta_direction(-1)
+#     axis.set_thetalim(-np.pi / 2, np.pi / 2)
+#     axis.set_yticks([])
+#     axis.set_title(f"light at {degrees} degrees", fontsize=9)
+# axes[2].legend(fontsize=7, loc="upper left")
+# plt.show()
+
+# %% [markdown]
+# The peak lies where a mirror would send the light, but only for smooth surfaces. The rougher and the more grazing,
+# the further out it moves. Remember this when we come to *the price*.
+#
+# ## 4.5 The slow, right answer
+#
+# Under an environment the light that leaves a point is the rendering equation without visibility:
+#
+# $$L_o = \int_\Omega L(l)\, f_r(l, v)\, (n \cdot l)\, \mathrm{d}l
+# \approx \frac1N \sum_{k=1}^{N} \frac{L(l_k)\, f_r(l_k, v)\, (n \cdot l_k)}{p(l_k)} .$$
+#
+# Draw $l$ where $f_r$ is large: half vectors from `fw.sample_ggx(xi, alpha)`, `(N, 2)` and `(N,)` to `(N, 3)`
+# about $+z$, turned to the normal by `fw.orthonormal_frame`, then $l = 2 (v \cdot h)\, h - v$. Their density is
+# $D\, (n \cdot h)$ per steradian of $h$. Directions $l$ spread out four times $(v \cdot h)$ as fast:
+#
+# $$p(l) = \frac{D\, (n \cdot h)}{4\, (v \cdot h)} \qquad\text{so that}\qquad
+# \frac{f_r\, (n \cdot l)}{p} = \frac{F\, G\, (v \cdot h)}{(n \cdot v)(n \cdot h)} .$$
+#
+# $D$, which may be huge, has cancelled: use the form on the right. A sample below the horizon counts as 0, but **it
+# counts**: you divide by all $N$. So does one with $v \cdot h \le 0$.
+#
+# Random numbers come from `rng` and from nowhere else, each point gets its own. Points whose view is at or below the
+# horizon get 0. `env.radiance` takes `(M, 3)` directions; for many points times many samples work in portions
+# of some 100 000 directions.
 
 
 # %% nbgrader={"grade_id": "monte_carlo_shade", "solution": true}
@@ -230,6 +417,63 @@ def monte_carlo_shade(env, normal, view, r0, alpha, samples, rng):
     ### END SOLUTION
 
 
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-4-5", "points": 4}
+# check("4.5")
+
+# %% [markdown]
+# A ball of rough gold, with a few and with many samples. Watch the time as well as the noise.
+
+# %% tags=["active-ipynb"]
+# gold = np.array([1.0, 0.71, 0.29])
+# camera = fw.Camera(position=(0.0, 0.0, 5.0), target=(0.0, 0.0, 0.0), up=(0, 1, 0), fov_y=0.42)
+# ball = fw.rasterize(fw.mesh.sphere(), camera, 72, 72)
+# normal = fw.normalize(ball.normal[ball.mask])
+# view = fw.normalize(camera.position - ball.position[ball.mask])
+#
+#
+# def on_ball(color):
+#     image = np.zeros((*ball.mask.shape, 3))
+#     image[ball.mask] = color
+#     return image
+#
+#
+# for samples in (4, 64):
+#     start = time.perf_counter()
+#     color = monte_carlo_shade(light.env, normal, view, gold, 0.4**2, samples, np.random.default_rng(1))
+#     seconds = time.perf_counter() - start
+#     fw.show.image(on_ball(color), title=f"{samples} samples, {seconds:.2f} s for {len(normal)} points")
+
+# %% [markdown]
+# At one million pixels and sixty pictures a second there is a nanosecond for each direction. Not even a fast
+# machine gets there.
+#
+# ## 4.6 Split it
+#
+# The lecture's step, the classic approximation of `prefilter`: take the light out of the integral, averaged over
+# the lobe.
+#
+# $$\int L\, f_r\, (n \cdot l)\, \mathrm{d}l \;\approx\;
+# \underbrace{L_\text{prefiltered}(r, \text{roughness})}_{\text{first look-up}} \cdot
+# \underbrace{\int f_r\, (n \cdot l)\, \mathrm{d}l}_{\text{second look-up}}$$
+#
+# What is left is the reflection under a white sky. It depends on roughness, on $n \cdot v$, and on $R_0$: three
+# numbers, a table that is too large. But Schlick's formula is *linear* in $R_0$. Put it in:
+#
+# $$\int f_r\, (n \cdot l)\, \mathrm{d}l =
+# R_0 \underbrace{\int \frac{f_r}{F} \left(1 - (1 - \cos\theta)^5\right) (n \cdot l)\, \mathrm{d}l}_{\text{scale}}
+# + \underbrace{\int \frac{f_r}{F} (1 - \cos\theta)^5\, (n \cdot l)\, \mathrm{d}l}_{\text{bias}}$$
+#
+# and $R_0$ is out of the integral: two numbers for each roughness and cosine, a picture with two channels. The lecture
+# writes one angle for all of them. The one that counts is again that of the facets, $\cos\theta = v \cdot h$, and it
+# varies under the integral: that is why $(1 - \cos\theta)^5$ stays inside.
+#
+# Fill the table. Row $i$ is roughness $(i + 0.5) / \text{size}$, column $j$ is $n \cdot v = (j + 0.5) / \text{size}$.
+# The samples are those of 4.5, without light: average $G (v \cdot h) / ((n \cdot v)(n \cdot h))$ times
+# $1 - (1 - v \cdot h)^5$ for the first number, times $(1 - v \cdot h)^5$ for the second.
+# `fw.hammersley(samples)` is better than random points, and all entries may use the same. Here $n = (0, 0, 1)$
+# and $v = (\sqrt{1 - \mu^2}, 0, \mu)$.
+
+
 # %% nbgrader={"grade_id": "brdf_lut", "solution": true}
 def brdf_lut(size, samples):
     """The second half of the split sum: reflection under a white sky, as scale and bias of r0.
@@ -272,6 +516,30 @@ def brdf_lut(size, samples):
     ### END SOLUTION
 
 
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-4-6", "points": 4}
+# check("4.6")
+
+# %% tags=["active-ipynb"]
+# table = brdf_lut(64, 256)
+# fw.show.image(np.dstack([table, np.zeros((64, 64))]), title="Red: scale, green: bias. Down: roughness. Right: n.v")
+# corners = {"smooth, grazing": table[0, 0], "smooth, from above": table[0, -1]}
+# corners |= {"rough, grazing": table[-1, 0], "rough, from above": table[-1, -1]}
+# for name, (scale, bias) in corners.items():
+#     print(f"{name:20s} scale {scale:.3f}  bias {bias:.3f}  sum {scale + bias:.3f}")
+
+# %% [markdown]
+# Four corners that one can check without a computer, or nearly. A smooth surface is a mirror: the two numbers are
+# $1 - (1 - \mu)^5$ and $(1 - \mu)^5$. From above there is no Fresnel term, the bias is 0. The sum is what a perfect
+# white metal reflects. For the roughest from straight above it is $1 - \ln 2 = 0.307$, and not 1:
+# light that bounces twice between facets is left out by the model, not by you.
+#
+# ## 4.7 Look it up
+#
+# Entry $i$ of $n$ stands for $(i + 0.5) / n$, so $x$ lies at position $x n - 0.5$ between the entries. Interpolate
+# linearly in both directions, and beyond the outermost centres use their values. The table may have any size, even 1,
+# and the arguments any shapes that broadcast.
+
+
 # %% nbgrader={"grade_id": "sample_lut", "solution": true}
 def sample_lut(lut, cos_theta, roughness):
     """Look the table up between its entries.
@@ -303,6 +571,32 @@ def sample_lut(lut, cos_theta, roughness):
     ### END SOLUTION
 
 
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-4-7", "points": 2}
+# check("4.7")
+
+# %% [markdown]
+# What does a coarse table cost? Its error comes from two sources: the samples and the interpolation. Here only
+# the second, between tables of equal samples:
+
+# %% tags=["active-ipynb"]
+# fine = brdf_lut(128, 64)
+# cosine, roughness = np.meshgrid(np.linspace(0.02, 1, 90), np.linspace(0.05, 1, 90))
+# for size in (8, 16, 32):
+#     coarse = sample_lut(brdf_lut(size, 64), cosine, roughness)
+#     print(f"{size:3d} x {size:<3d} {np.abs(coarse - sample_lut(fine, cosine, roughness)).max():.4f} off at most")
+
+# %% [markdown]
+# ## 4.8 Two look-ups
+#
+# Here it is, the whole renderer for light from an environment: reflect the view about the normal, look up the
+# blurred light, look up the table.
+#
+# $$L_o \approx L_\text{prefiltered}(r, \text{roughness}) \cdot (R_0\, \text{scale} + \text{bias})$$
+#
+# Note that it is $R_0$ and not $F$: the Fresnel term is in the table. `prefiltered` is a function that takes `(N, 3)`
+# directions and `(N,)` roughnesses, so a single number must be made as many. 0 where $n \cdot v \le 0$.
+
+
 # %% nbgrader={"grade_id": "shade_split_sum", "solution": true}
 def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
     """Light that a rough mirror reflects to the viewer, without shadows: two look-ups.
@@ -332,3 +626,130 @@ def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
         color[lit] = prefiltered(fw.reflect(view[lit], normal[lit]), roughness) * (r0 * scale + bias)
     return color
     ### END SOLUTION
+
+
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-4-8", "points": 3}
+# check("4.8")
+
+# %% tags=["active-ipynb"]
+# start = time.perf_counter()
+# color = shade_split_sum(normal, view, gold, 0.4, light.prefiltered, light.lut)
+# print(f"{time.perf_counter() - start:.4f} s for {len(normal)} points")
+# fw.show.image(on_ball(color), title="Two look-ups")
+
+# %% [markdown]
+# ## The price
+#
+# Roughness to the right, first gold and then glass; above Monte Carlo, below the split sum.
+
+# %% tags=["active-ipynb"]
+# levels = (0.1, 0.3, 0.5, 0.8)
+# for name, r0 in (("gold", gold), ("glass", 0.04)):
+#     slow, fast = [], []
+#     for roughness in levels:
+#         mean = monte_carlo_shade(light.env, normal, view, r0, roughness**2, 48, np.random.default_rng(2))
+#         slow.append(on_ball(mean))
+#         fast.append(on_ball(shade_split_sum(normal, view, r0, roughness, light.prefiltered, light.lut)))
+#     gain = 1.0 if name == "gold" else 6.0
+#     fw.show.image(gain * np.vstack([np.hstack(slow), np.hstack(fast)]), title=name)
+
+# %% [markdown]
+# From the front, and where the surface is smooth, they agree. Towards the rim of the rough balls the split sum goes
+# wrong: real highlights stretch and move outwards there, its own stay round. Four
+# things were given up, and we can undo them one at a time at a few points of the ball, from the true answer to the fast one:
+#
+# 1. **separation**: the light and the reflection are averaged apart, but still with the true lobe;
+# 2. **n = v = r**: the light is averaged with the lobe of someone who looks from above;
+# 3. **level interpolation**: that average is looked up between a few stored maps;
+# 4. **table**: the second factor comes from a table of 64 by 64.
+
+# %% tags=["active-ipynb"]
+# def steps(roughness, r0=0.5, count=60, samples=4096):
+#     rng = np.random.default_rng(3)
+#     rows = rng.choice(len(normal), count, replace=False)
+#     alpha, errors = roughness**2, []
+#     for n, v in zip(normal[rows], view[rows]):
+#         mu = n @ v
+#         half = fw.sample_ggx(fw.hammersley(samples), alpha) @ np.stack([*fw.orthonormal_frame(n), n])
+#         l = 2 * (half @ v)[:, None] * half - v
+#         seen = np.clip(half @ v, 0, None) / (mu * (half @ n))
+#         weight = seen * masking_shadowing(l @ n, mu, alpha) * fresnel_schlick(r0, np.clip(half @ v, 0, 1))
+#         radiance = light.env.radiance(l)
+#         r = 2 * mu * n - v
+#         round_half = fw.sample_ggx(fw.hammersley(samples), alpha) @ np.stack([*fw.orthonormal_frame(r), r])
+#         round_l = 2 * (round_half @ r)[:, None] * round_half - r
+#         cosine = np.clip(round_l @ r, 0, None)
+#
+#         true = (weight[:, None] * radiance).mean(axis=0)
+#         lobe = (seen * (l @ n > 0))[:, None]
+#         separated = (lobe * radiance).sum(axis=0) / lobe.sum() * weight.mean()
+#         from_above = (cosine[:, None] * light.env.radiance(round_l)).sum(axis=0) / cosine.sum() * weight.mean()
+#         between = light.prefiltered(r, roughness) * weight.mean()
+#         fast = shade_split_sum(n[None], v[None], r0, roughness, light.prefiltered, light.lut)[0]
+#         errors.append(np.abs(np.diff([true, separated, from_above, between, fast], axis=0)).mean(axis=1) / true.mean())
+#     return np.median(errors, axis=0)
+#
+#
+# print("roughness   separation   n = v = r   levels   table    (median share of the true light)")
+# for roughness in (0.25, 0.45, 0.9):
+#     print(f"{roughness:9.2f}" + "".join(f"{share:12.1%}" for share in steps(roughness)))
+
+# %% [markdown]
+# The table is innocent. For smooth surfaces all of it is small. For rough ones the largest part is not the split
+# itself but **n = v = r**: the shape of the lobe. It is a property of the map, so no table can mend it.
+#
+# ## The picture
+
+# %% tags=["active-ipynb"]
+# meshes = [fw.mesh.sphere(0.46, (x, y, 0.0)) for y in (0.55, -0.55) for x in (-2.2, -1.1, 0.0, 1.1, 2.2)]
+# wide = fw.Camera(position=(0.0, 0.0, 9.0), target=(0.0, 0.0, 0.0), up=(0, 1, 0), fov_y=0.38)
+# clay = np.array([0.04, 0.04, 0.04])
+#
+#
+# def render(width, height):
+#     image = 0.8 * light.env.radiance(wide.rays(width, height)[1])
+#     for i, mesh in enumerate(meshes):
+#         seen = fw.rasterize(mesh, wide, width, height)
+#         n = fw.normalize(seen.normal[seen.mask])
+#         v = fw.normalize(wide.position - seen.position[seen.mask])
+#         roughness = (i % 5) / 4
+#         r0, albedo = (gold, 0.0) if i < 5 else (clay, np.array([0.5, 0.22, 0.14]))
+#         color = shade_split_sum(n, v, r0, roughness, light.prefiltered, light.lut)
+#         image[seen.mask] = 0.8 * (color + albedo * light.irradiance(n))
+#     return image
+#
+#
+# fw.show.image(render(300, 200))
+
+# %% [markdown]
+# The upper row is gold, the lower one clay: $R_0 = 0.04$ over a matt ground. From left to right the roughness goes from 0
+# to 1. The rims of the smooth clay balls are bright: that is the bias of the table.
+#
+# ## A question
+#
+# Answer in a few sentences of your own, in the cell below (2 points, read by a person):
+#
+# - Why can $R_0$ be taken out of the integral, and why could one not do the same with $\alpha$?
+# - A white metal, $R_0 = 1$, that is very rough, under a white sky of radiance 1: what does the split sum show from
+#   straight above, and why is it not 1? Is this the fault of the split?
+
+# %% [markdown] nbgrader={"grade_id": "question-4", "solution": true, "points": 2}
+# Schlick's F is linear in R0: F = R0 (1 - x) + x with x = (1 - v.h)^5, and a factor or a sum that does not depend on l
+# may leave the integral over l. So two integrals without R0 remain. Alpha stands inside D and G, in a
+# way that is not linear and that depends on l through h: for each alpha it is another integral, which is why the table
+# has a row for each.
+#
+# About 0.31, 1 - ln 2 at alpha = 1. Under a white sky the split is exact, since the light is the same wherever it is
+# averaged. What is missing is light that meets a facet twice: the model drops what G hides, though in truth it
+# would be reflected again. It can be put back by a multiple-scattering term.
+
+# %% [markdown]
+# ## Where to go from here
+#
+# - Replace $F$ at $v \cdot h$ by $F$ at $n \cdot v$ in 4.6, the "one angle for all", and compare the tables at their rough
+#   rows.
+# - Put back the light that bounces twice: multiply by $1 + R_0 (1 / (\text{scale} + \text{bias}) - 1)$, and try the white
+#   metal again.
+# - Half vectors from `fw.sample_ggx` ignore the view. Sampling only the normals that the viewer sees makes every weight
+#   at most 1. How many samples does it save at grazing angles?
+# - All of this was without shadows. The last notebook, `environment_shadows`, puts them back.
