@@ -80,7 +80,7 @@ class Scene:
 
 def across_the_shade(rng, scene, light, radius, count=32):
     """Points of the floor that see a part of the light, in even steps from little to most of it; some all or nothing."""
-    points = ground(rng, 10_000)
+    points = ground(rng, 6000)
     seen = scene.visible(points, light, radius, 32)
     order = np.argsort(seen, kind="stable")
     order = order[(seen[order] > 0) & (seen[order] < 1)]

@@ -87,7 +87,7 @@ def wrong_safe_angle_epsilon(distance, travelled):
     return np.arcsin(np.clip(distance / np.maximum(travelled, 1e-2), 0, 1))
 
 
-def wrong_safe_angle_numbers_only_arrays(distance, travelled):
+def wrong_safe_angle_one_shape(distance, travelled):
     """Arrays of one shape are taken for granted."""
     out = np.zeros_like(distance)
     outside = distance > 0
@@ -435,6 +435,11 @@ def wrong_soft_shadow_coarse(sdf, origin, to_light, k, t_min, t_max, max_steps):
 def wrong_soft_shadow_five_steps(sdf, origin, to_light, k, t_min, t_max, max_steps):
     """Few steps only."""
     return _march(sdf, origin, to_light, t_min, t_max, min(max_steps, 5), _ratio(k))
+
+
+def wrong_soft_shadow_light_for_all(sdf, origin, to_light, k, t_min, t_max, max_steps):
+    """One light for all points is taken for granted."""
+    return _march(sdf, origin, np.reshape(to_light, 3), t_min, t_max, max_steps, _ratio(k))
 
 
 def wrong_soft_shadow_last_step(sdf, origin, to_light, k, t_min, t_max, max_steps):
