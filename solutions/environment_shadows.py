@@ -13,11 +13,114 @@
 
 # %% [markdown]
 # # Shadows from the environment
+#
+# ![A ball, a ring and a box under a photographed sky, with the shadows that the sky casts](goal.png)
+#
+# The last two notebooks lit surfaces by a whole sky with two look-ups, and had to pretend that nothing
+# stands in the way. Compare a photograph: under the table it is dark, though no lamp is near. Each
+# direction of the sky casts its own shadow, and what we see is their sum. In this notebook you will put
+# shadows back, in three ways, and see what each of them leaves out and what it costs.
+#
+# You need the ideas of `soft_shadows` (how narrowly a ray misses) and `split_sum` (two look-ups).
+#
+# **How it works.** Each section explains one idea and asks for one function. Write it in place of
+# `raise NotImplementedError()`, run the cell, then run the `check` under it: it tells you what it found,
+# how far off you are and how far off you may be, and shows three pictures: yours, the expected one, and the
+# difference. You may run it as often as you like. If a cell stops with a `NotImplementedError`, the line
+# above the error names the function that is still to be written.
+#
+# **What is graded.** Only the cells that hold the functions are taken over from your notebook. Each of them
+# may use `np`, `fw` and the functions above it, so if you need a helper or a constant, put it into the same
+# cell. Each function is judged by itself, with right versions of the ones before it: one mistake never
+# costs you twice.
 
 # %%
 import numpy as np
 
 import framework as fw
+
+# %% tags=["active-ipynb"]
+# import time
+#
+# import matplotlib.pyplot as plt
+#
+# light = fw.EnvironmentLight.load("light.npz")
+# fw.show.image(light.env.pixels, title="The light")
+
+# %% tags=["active-ipynb"]
+# from autograder import check
+
+# %% [markdown]
+# ## Why this is hard
+#
+# The rendering equation with visibility:
+#
+# $$L_o = \int_\Omega L(l)\, f_r(l, v)\, (n \cdot l)\, V(l)\, \mathrm{d}l$$
+#
+# One way to see it is as **many lights**: each pixel of the sky is a lamp, and each lamp wants a shadow map
+# or a ray. That is thousands of them. The other is as a **sampling** problem, and then $V$ is the trouble:
+# it may be any shape, sharp at its edges, different at each point, and nothing about it is known before one
+# looks.
+#
+# Could we take $V$ out of the integral, like the light before? The approximation is good where the support
+# is small or one of the functions is smooth. For a polished surface the lobe is narrow: that works. For a
+# matt one the support is the whole hemisphere, and $V$ is not smooth: it does not.
+#
+# So there is no general solution in real time. What engines do instead is to shadow **the brightest few
+# lights**, for there the shadows are that one can see, or to take **visibility alone**, averaged over all
+# directions.
+#
+# The scene: three objects on a floor, as distance fields and as meshes.
+
+# %% tags=["active-ipynb"]
+# ball = ((-1.0, 0.5, 0.1), 0.5)
+# ring = ((0.15, 0.75, -0.7), 0.5, 0.16)
+# box = ((0.9, 0.45, 0.5), (0.3, 0.45, 0.3))
+# scene = fw.sdf.union(
+#     fw.sdf.plane((0, 1, 0), 0.0), fw.sdf.sphere(*ball), fw.sdf.torus(*ring), fw.sdf.box(*box)
+# )
+# ring_mesh = fw.mesh.torus(*ring[1:])
+# meshes = [
+#     fw.mesh.plane(size=9.0),
+#     fw.mesh.sphere(ball[1], ball[0]),
+#     fw.Mesh(ring_mesh.vertices + ring[0], ring_mesh.faces, ring_mesh.normals),
+#     fw.mesh.box(box[1], box[0]),
+# ]
+# albedo = np.array([[0.45, 0.43, 0.40], [0.10, 0.25, 0.42], [0.05, 0.05, 0.05], [0.55, 0.30, 0.08]])
+# r0 = np.array([[0.04, 0.04, 0.04], [0.04, 0.04, 0.04], [0.95, 0.64, 0.35], [0.04, 0.04, 0.04]])
+# roughness = np.array([0.8, 0.3, 0.25, 0.6])
+# camera = fw.Camera(position=(-0.6, 2.6, 4.6), target=(0.0, 0.35, 0.0), up=(0, 1, 0), fov_y=0.5)
+# t_max = 4.0
+#
+#
+# def visible_points(width, height):
+#     seen = [fw.rasterize(mesh, camera, width, height) for mesh in meshes]
+#     nearest = np.argmin([one.depth for one in seen], axis=0)
+#     mask = np.any([one.mask for one in seen], axis=0)
+#     position = np.choose(nearest[..., None], [one.position for one in seen])[mask]
+#     normal = fw.normalize(np.choose(nearest[..., None], [one.normal for one in seen])[mask])
+#     return mask, nearest[mask], position, normal, fw.normalize(camera.position - position)
+
+# %% [markdown]
+# ## 5.1 The brightest few
+#
+# Replace the sky by `count` lamps that are infinitely far away. They should stand where the light comes
+# from, and together they must be as bright as the sky, or the picture changes its brightness.
+#
+# **Median cut** does it with a few lines. Begin with the map as one region. Take the region with the most
+# luminous energy (radiance, weighted by 0.2126, 0.7152, 0.0722, times *solid angle*), and cut it across its
+# longer side, so that both halves have as nearly as possible the same energy. Go on until there are `count`
+# regions. Rows and columns are equally far apart at the equator only: at the angle $\theta$ from the pole a
+# column is $\sin\theta$ as wide as a row is high.
+#
+# Each region becomes a lamp:
+# - its **power** is the sum over its pixels of radiance times solid angle, for each channel. All powers
+#   together are the sum over the map;
+# - its **direction** is the energy centroid, the mean of the pixels' directions weighted by energy, brought
+#   to length 1.
+#
+# Mind the ends: a region of one pixel cannot be cut, one without light has no centroid (any unit vector
+# will do). `count` may be anything from 1 to the number of pixels.
 
 
 # %% nbgrader={"grade_id": "dominant_lights", "solution": true}
@@ -80,6 +183,51 @@ def dominant_lights(env, count):
     ### END SOLUTION
 
 
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-5-1", "points": 6}
+# check("5.1")
+
+# %% [markdown]
+# Where the lamps are, with the size of a dot for the power of the lamp. Most of them gather around the sun.
+
+# %% tags=["active-ipynb"]
+# fig, axes = plt.subplots(1, 2, figsize=(10, 3))
+# height = light.env.height
+# for axis, count in zip(axes, (16, 128)):
+#     direction, power = dominant_lights(light.env, count)
+#     row = np.arccos(np.clip(direction[:, 1], -1, 1)) / np.pi * height
+#     column = np.arctan2(direction[:, 0], -direction[:, 2]) % (2 * np.pi) / np.pi * height
+#     axis.imshow(np.clip(light.env.pixels, 0, 1) ** 0.45)
+#     axis.scatter(column, row, s=300 * np.sqrt(power[:, 1] / power[:, 1].sum()), facecolors="none", edgecolors="red")
+#     axis.set_title(f"{count} lamps; the strongest has {power[:, 1].max() / power[:, 1].sum():.0%} of the power", fontsize=9)
+#     axis.axis("off")
+# plt.show()
+
+# %% [markdown]
+# ## 5.2 Visibility alone
+#
+# The second way forgets where the light comes from and asks how much of the sky a point can see at all:
+#
+# $$V_\text{ambient}(p) = \frac1\pi \int_\Omega V(l)\, (n \cdot l)\, \mathrm{d}l .$$
+#
+# Multiply the irradiance by it and corners get dark. Engines call it *ambient occlusion*. Rays would answer
+# it, hundreds for each point. A **cone** answers for all directions within it at once: a distance field
+# tells how narrowly its axis misses, and `soft_shadows` turned the smallest signed angle $\theta$ into the
+# visible share of a round light of angular radius $\theta_c$:
+#
+# $$v(x) = \frac12 + \frac{x \sqrt{1 - x^2} + \arcsin x}{\pi}, \qquad
+# x = \operatorname{clip}\left(\frac{\theta}{\theta_c}, -1, 1\right) .$$
+#
+# A few cones cover the hemisphere. A good way to place $K$ of them: spread points evenly over the unit
+# *disc*, for example along a spiral, $r_i = \sqrt{(i + 0.5) / K}$, $\varphi_i = i\, \pi (3 - \sqrt 5)$, and
+# lift them to the hemisphere, $z = \sqrt{1 - r^2}$. What is even on the disc has the density of the cosine
+# above it, so that a plain mean is the answer. Each cone stands for a solid angle of $\pi / (K z)$, and a
+# round cone of that size has the radius $\theta_c \approx 1 / \sqrt{K z}$. Let none reach below the
+# horizon: there it would meet the surface it starts from, $\theta_c \le \arcsin z$.
+#
+# March as in 2.5: go on inside of things, by steps of at least a part of the cone's width. Begin a little
+# off the surface, say at $t = t_\text{max} / 200$, and stop at `t_max`.
+
+
 # %% nbgrader={"grade_id": "ambient_visibility", "solution": true}
 def ambient_visibility(sdf, p, normal, t_max):
     """How much of the sky a point sees, as a diffuse surface weights it.
@@ -124,6 +272,45 @@ def ambient_visibility(sdf, p, normal, t_max):
     visible = 0.5 + (x * np.sqrt(1.0 - x * x) + np.arcsin(x)) / np.pi
     return visible.reshape(*shape, cones).mean(axis=-1)
     ### END SOLUTION
+
+
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-5-2", "points": 6}
+# check("5.2")
+
+# %% tags=["active-ipynb"]
+# mask, which, position, normal, view = visible_points(150, 100)
+# ambient = ambient_visibility(scene, position, normal, t_max)
+# image = np.zeros(mask.shape)
+# image[mask] = ambient
+# fw.show.image(image, title="How much of the sky each point sees")
+
+# %% [markdown]
+# It is dark under the ring and where things stand on the floor. But there is no *shadow*: nothing shows
+# where the sun is.
+#
+# ## 5.3 Shading with shadows
+#
+# Now the whole: a matt part and a glossy part, both with shadows.
+#
+# $$\frac{\text{albedo}}{\pi} \int L\, (n \cdot l)\, V\, \mathrm{d}l
+# \;+\; L_\text{prefiltered}(r, \text{roughness}) \cdot (R_0\, \text{scale} + \text{bias}) \cdot V(r)$$
+#
+# How you do it is yours to choose. You are judged by the error against many rays, and once that is right,
+# by the number of points that you hand to `sdf`. What works well:
+#
+# - **The matt part.** Some 16 lamps from 5.1, for each that is above the horizon one soft shadow ray as in
+#   5.2. A lamp stands for a region and is not a point. How large is it? Its power is radiance times solid
+#   angle, so divide its luminous power by the sky's luminance in its direction. From the solid angle
+#   $\omega$ follows the radius, $\cos\theta_c = 1 - \omega / 2\pi$.
+# - Sixteen lamps are a coarse sky. Let them tell only **what part** of the light is lost: the sum with
+#   shadows over the sum without, for each channel, times the exact irradiance, `light.irradiance(normal)`
+#   (which has been divided by $\pi$ already). Where nothing stands in the way this is exact, whatever the
+#   lamps are.
+# - **The glossy part.** The split sum, from `light.prefiltered` and `light.lut` (rows are roughness,
+#   columns $n \cdot v$, at cell centres), and a cone along the mirror direction. A straight edge at the
+#   angle $\theta$ from the axis leaves free the share $\frac12 + \frac{s}{2 \sqrt{s^2 + \alpha^2}}$ of a
+#   GGX lobe, $s = \tan(\theta / 2)$. The horizon of the surface is in the table already, so divide by the
+#   share above the horizon, and clip at 1. It is 0 where $n \cdot v \le 0$.
 
 
 # %% nbgrader={"grade_id": "shade_with_shadows", "solution": true}
@@ -215,3 +402,139 @@ def shade_with_shadows(light, sdf, p, normal, view, r0, roughness, albedo, t_max
 
     return (diffuse() + specular()).reshape(shape)
     ### END SOLUTION
+
+
+# %% tags=["active-ipynb"] nbgrader={"grade_id": "check-5-3", "points": 8}
+# check("5.3")
+
+# %% [markdown]
+# ## What each choice leaves out
+#
+# Time to compare. The truth takes a ray from each point to each of 2592 directions, under a sky of 16 rows,
+# in which the sun is a large soft spot: more rows would take all day. All ways light the matt part of the
+# scene:
+#
+# - no shadows at all,
+# - the irradiance times the ambient visibility,
+# - a hard shadow ray to each of some lamps,
+# - and yours.
+
+# %% tags=["active-ipynb"]
+# evaluations = 0
+#
+#
+# def counting(p):
+#     global evaluations
+#     evaluations += len(p)
+#     return scene(p)
+#
+#
+# def is_free(p, direction):
+#     t, free, marching = np.full(len(p), 0.02), np.ones(len(p), bool), np.arange(len(p))
+#     for _ in range(48):
+#         distance = counting(p[marching] + t[marching, None] * direction[marching])
+#         free[marching[distance < 2e-3]] = False
+#         t[marching] += distance
+#         marching = marching[(distance >= 2e-3) & (t[marching] < t_max)]
+#         if marching.size == 0:
+#             break
+#     return free
+#
+#
+# def lit_by(direction, power, p, n):
+#     cosine = np.clip(n @ direction.T, 0, None)
+#     point, lamp = np.nonzero(cosine)
+#     cosine[point, lamp] *= is_free(p[point], direction[lamp])
+#     return cosine @ power / np.pi
+#
+#
+# coarse_env = light.env.resized(16)
+# coarse = fw.EnvironmentLight(coarse_env, light.irradiance_map, light.chain, light.roughness_levels, light.lut)
+# _, _, p, n, v = visible_points(24, 16)
+# fine = fw.skies.constant(36)
+# directions, solid_angles = fine.directions().reshape(-1, 3), fine.solid_angles().reshape(-1, 1)
+# truth = lit_by(directions, coarse_env.radiance(directions) * solid_angles, p, n)
+# print(f"{len(p)} points, {evaluations / len(p):.0f} evaluations each for the truth")
+
+# %% tags=["active-ipynb"]
+# ways = {
+#     "no shadows": lambda: coarse.irradiance(n),
+#     "ambient visibility": lambda: coarse.irradiance(n) * ambient_visibility(counting, p, n, t_max)[:, None],
+#     "4 lamps": lambda: lit_by(*dominant_lights(coarse_env, 4), p, n),
+#     "16 lamps": lambda: lit_by(*dominant_lights(coarse_env, 16), p, n),
+#     "64 lamps": lambda: lit_by(*dominant_lights(coarse_env, 64), p, n),
+#     "shade_with_shadows": lambda: shade_with_shadows(coarse, counting, p, n, -n, 0.0, 0.5, 1.0, t_max),
+# }
+# results = {}
+# for name, way in ways.items():
+#     evaluations, start = 0, time.perf_counter()
+#     error = np.sqrt(np.mean((way() - truth) ** 2)) / np.sqrt(np.mean(truth**2))
+#     results[name] = evaluations / len(p), time.perf_counter() - start, error
+#     print(f"{name:20s} error {error:6.1%}   {results[name][0]:6.0f} evaluations a point   {results[name][1]:.3f} s")
+#
+# plt.figure(figsize=(7, 4))
+# for name, (_, seconds, error) in results.items():
+#     plt.loglog(1e3 * seconds, error, "o")
+#     plt.annotate(name, (1e3 * seconds, error), textcoords="offset points", xytext=(6, 4), fontsize=8)
+# plt.margins(0.3)
+# plt.xlabel(f"milliseconds for {len(p)} points")
+# plt.ylabel("relative error")
+# plt.show()
+
+# %% [markdown]
+# Ambient visibility is hardly better than no shadows: under a clear sky most of the light comes from one
+# place, and this is what it forgets. Under a cloudy sky it would be the other way round. A few lamps get
+# most of it, and more of them soften the shadows until they melt together. And one soft ray for each lamp
+# does what several hard ones do.
+#
+# None of them is the truth. The lamps do not know light that bounces between things. The cones take
+# everything for straight edges. And the mirror image along one cone is dark or not, though in truth one
+# might see *which* object hides the sky there, and its colour. All this is known as global illumination,
+# and is where the lecture goes next.
+#
+# ## The picture
+
+# %% tags=["active-ipynb"]
+# def render(width, height):
+#     mask, which, p, n, v = visible_points(width, height)
+#     image = 0.5 * light.env.radiance(camera.rays(width, height)[1])
+#     color = np.empty_like(p)
+#     for i in range(0, len(p), 20000):
+#         part = slice(i, i + 20000)
+#         of = which[part]
+#         color[part] = shade_with_shadows(
+#             light, scene, p[part], n[part], v[part], r0[of], roughness[of], albedo[of], t_max
+#         )
+#     image[mask] = 0.5 * color
+#     return image
+#
+#
+# fw.show.image(render(150, 100))
+
+# %% [markdown]
+# ## A question
+#
+# Answer in a few sentences of your own, in the cell below (2 points, read by a person):
+#
+# - For a polished surface one may take $V$ out of the integral, for a matt one not. Why?
+# - Somebody draws the sun as a lamp with a shadow, and lights the scene by the irradiance map of the same
+#   sky besides. What is wrong with the picture, and what must be done to the map?
+
+# %% [markdown] nbgrader={"grade_id": "question-5", "solution": true, "points": 2}
+# The approximation is good where the support of the rest of the integrand is small, or V is smooth. The
+# lobe of a polished surface is a few degrees wide, and within it V is mostly 0 or 1 throughout. A matt
+# surface looks at the whole hemisphere, in which V is cut by sharp edges and correlated with the light:
+# whether an occluder hides the sun or a dark piece of sky makes all the difference, and the mean of V does
+# not know it.
+#
+# The sun counts twice: once as a lamp and once in the map. Everything in the sun is too bright, and the
+# shadows are filled with sunlight from the map that nothing blocks. Take the sun's pixels out of the map
+# before it is filtered, so that lamp and map together have the energy of the sky.
+
+# %% [markdown]
+# ## Where to go from here
+#
+# - Replace the light by `fw.skies.gradient(32)`, filtered with your functions of `prefilter`, a cloudy day:
+#   which of the ways is the best now?
+# - Give the box a hole, or move the ring through the ball: the field is all that has to change.
+# - Find the point of the picture with the largest error, and say which assumption failed there.

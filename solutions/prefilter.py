@@ -17,9 +17,9 @@
 # ![A bumpy ball, from rough to polished, under a photographed sky](goal.png)
 #
 # So far the light came from one lamp. Outdoors it comes from everywhere: the sun, the blue sky around it,
-# clouds, the ground. A photograph of all directions, an **environment map**, holds all of it, and to shade a
-# point means to add up what arrives from thousands of directions, at every point, in every frame. That is too
-# slow, and random samples of it are too noisy.
+# clouds, the ground. A photograph of all directions, an **environment map**, holds all of it, and to shade
+# a point means to add up what arrives from thousands of directions, at every point, in every frame. That is
+# too slow, and random samples of it are too noisy.
 #
 # The way out is older than graphics hardware: **blur the map once, ahead of time, and look it up once.** In
 # this notebook you will build the blurred maps, use them to shade a mesh, and find out what was given up.
@@ -53,9 +53,9 @@ import framework as fw
 
 # %% [markdown]
 # This map has 32 rows and 64 columns, small enough to experiment with. It is *linear* and *high dynamic
-# range*: the pixel with the sun is a thousand times as bright as the rest. `sky.radiance(direction)` looks it up
-# between pixel centres, `sky.directions()` and `sky.solid_angles()` say where each pixel looks and how much of
-# the sphere it covers: the rows at the poles cover little.
+# range*: the pixel with the sun is a thousand times as bright as the rest. `sky.radiance(direction)` looks
+# it up between pixel centres, `sky.directions()` and `sky.solid_angles()` say where each pixel looks and
+# how much of the sphere it covers: the rows at the poles cover little.
 
 # %% tags=["active-ipynb"]
 # luminance = sky.pixels @ [0.2126, 0.7152, 0.0722]
@@ -67,16 +67,16 @@ import framework as fw
 # %% [markdown]
 # ## 3.1 Where a rough mirror's facets point
 #
-# A rough surface is made of tiny flat mirrors, the **microfacets**. A light direction $l$ is reflected into the
-# view $v$ by the facets whose normal is the half vector $h$ between them. How many there are says the
+# A rough surface is made of tiny flat mirrors, the **microfacets**. A light direction $l$ is reflected into
+# the view $v$ by the facets whose normal is the half vector $h$ between them. How many there are says the
 # distribution of normals $D(h)$. The one called GGX has a sharp peak and long tails, as real surfaces do:
 #
 # $$D(h) = \frac{\alpha^2}{\pi \left(1 + (\alpha^2 - 1) \cos^2\theta\right)^2}, \qquad \alpha = \text{roughness}^2 .$$
 #
-# To sample it is to draw half vectors with density $D(h) \cos\theta$ per steradian, which is what the facets
-# cover of the surface seen from above. The azimuth is uniform: $\varphi = 2\pi \xi_2$. For the tilt, ask what
-# share of the facets is tilted by less than $\theta$. Written in the tangent, that share is
-# $u = \tan^2\theta / (\alpha^2 + \tan^2\theta)$. Set it to a uniform number $u = \xi_1$ and solve:
+# To sample it is to draw half vectors with density $D(h) \cos\theta$ per steradian, which is what the
+# facets cover of the surface seen from above. The azimuth is uniform: $\varphi = 2\pi \xi_2$. For the tilt,
+# ask what share of the facets is tilted by less than $\theta$. Written in the tangent, that share is $u =
+# \tan^2\theta / (\alpha^2 + \tan^2\theta)$. Set it to a uniform number $u = \xi_1$ and solve:
 #
 # $$\tan\theta = \alpha \sqrt{\frac{u}{1 - u}} .$$
 #
@@ -115,8 +115,8 @@ def sample_ggx(xi, alpha):
 # check("3.1")
 
 # %% [markdown]
-# Left, half vectors from straight above for three widths. Right, how they are spread over the tilt, against the
-# density $2\pi \sin\theta \, D \cos\theta$.
+# Left, half vectors from straight above for three widths. Right, how they are spread over the tilt, against
+# the density $2\pi \sin\theta \, D \cos\theta$.
 
 # %% tags=["active-ipynb"]
 # rng = np.random.default_rng(1)
@@ -137,19 +137,19 @@ def sample_ggx(xi, alpha):
 # %% [markdown]
 # ## 3.2 The roughest case: irradiance
 #
-# A diffuse surface reflects light from all directions alike. All that counts is how much arrives, each direction
-# weighted by the cosine to the normal, for a slanted beam spreads over more surface. The **mean** radiance with
-# that weight is
+# A diffuse surface reflects light from all directions alike. All that counts is how much arrives, each
+# direction weighted by the cosine to the normal, for a slanted beam spreads over more surface. The **mean**
+# radiance with that weight is
 #
 # $$\frac{E(n)}{\pi} = \frac{\int L(l)\, \max(n \cdot l, 0)\, \mathrm{d}l}{\int \max(n \cdot l, 0)\, \mathrm{d}l} .$$
 #
-# The denominator is $\pi$. Divide by the *sum* of your weights rather than by $\pi$, and a constant sky comes
-# out exactly constant.
+# The denominator is $\pi$. Divide by the *sum* of your weights rather than by $\pi$, and a constant sky
+# comes out exactly constant.
 #
-# Make a map of it: one pixel for each normal, laid out like an environment. `fw.skies.constant(height).directions()`
-# has the normals. No randomness is needed. The map has 2048 pixels, and for each normal you may add up all of
-# them: radiance, times the pixel's solid angle, times the cosine. As matrices this is one product of
-# `(normals, pixels)` by `(pixels, 3)`.
+# Make a map of it: one pixel for each normal, laid out like an environment.
+# `fw.skies.constant(height).directions()` has the normals. No randomness is needed. The map has 2048
+# pixels, and for each normal you may add up all of them: radiance, times the pixel's solid angle, times the
+# cosine. As matrices this is one product of `(normals, pixels)` by `(pixels, 3)`.
 
 
 # %% nbgrader={"grade_id": "irradiance", "solution": true}
@@ -192,31 +192,33 @@ def irradiance(env, height):
 
 # %% [markdown]
 # 512 normals by 2048 pixels: a million multiplications, done once. From now on each shaded point costs one
-# look-up. The price is that a look-up knows a direction and nothing else: the map is the same at every point,
-# so the sky must be far away, and nothing may stand in the way. Shadows are the subject of the last notebook.
+# look-up. The price is that a look-up knows a direction and nothing else: the map is the same at every
+# point, so the sky must be far away, and nothing may stand in the way. Shadows are the subject of the last
+# notebook.
 #
 # ## 3.3 Between mirror and matt
 #
-# A polished surface mirrors the map itself. A matt one shows the irradiance. A rough mirror is in between: it
-# shows the map *blurred* by the lobe of directions that its facets reflect into the view.
+# A polished surface mirrors the map itself. A matt one shows the irradiance. A rough mirror is in between:
+# it shows the map *blurred* by the lobe of directions that its facets reflect into the view.
 #
 # That lobe depends on two directions, normal and view, and so its blurred maps would fill a table of four
-# dimensions. The classic step is to pretend that one looks from straight above: $n = v = r$, where $r$ is the
-# mirror direction. Then one direction is left, and one map per roughness does.
+# dimensions. The classic step is to pretend that one looks from straight above: $n = v = r$, where $r$ is
+# the mirror direction. Then one direction is left, and one map per roughness does.
 #
 # What to do for each pixel of the result, with $n$ its direction:
 #
 # 1. Draw half vectors with `sample_ggx`, `samples` of them; `fw.hammersley(samples)` gives points that
 #    cover the square more evenly than random ones, and the same may serve all pixels.
-# 2. Reflect the view about each, $l = 2 (v \cdot h)\, h - v$. Here $v = n$, which in the local frame is $+z$.
+# 2. Reflect the view about each, $l = 2 (v \cdot h)\, h - v$. Here $v = n$, which in the local frame is
+#    $+z$.
 # 3. Turn $l$ into the world by a frame about $n$: `fw.orthonormal_frame(n)` gives the two tangents.
-# 4. Add up `env.radiance(l)`, weighted by $n \cdot l$ where that is positive, and divide by the **sum of the
-#    weights**.
+# 4. Add up `env.radiance(l)`, weighted by $n \cdot l$ where that is positive, and divide by the **sum of
+#    the weights**.
 #
 # For `alpha = 0` the lobe is a single direction: look the map up at the pixel centres of the result.
 #
-# `samples` is how many look-ups you may use for each pixel, not how many you must. The lobe around $n = v = r$
-# depends on the angle to $n$ alone, so there are ways without any randomness; anything that is right
+# `samples` is how many look-ups you may use for each pixel, not how many you must. The lobe around $n = v =
+# r$ depends on the angle to $n$ alone, so there are ways without any randomness; anything that is right
 # counts.
 
 
@@ -289,8 +291,8 @@ def prefilter(env, alpha, height, samples):
 #     fw.show.image(prefilter(sky, roughness**2, 16, 256), title=f"roughness {roughness}")
 
 # %% [markdown]
-# At roughness 1 the lobe becomes a well-known one. $D$ is constant, and the weight is $n \cdot l$: the blurred map
-# *is* the irradiance.
+# At roughness 1 the lobe becomes a well-known one. $D$ is constant, and the weight is $n \cdot l$: the
+# blurred map *is* the irradiance.
 
 # %% tags=["active-ipynb"]
 # difference = np.abs(prefilter(sky, 1.0, 16, 256) - diffuse) / diffuse
@@ -300,13 +302,14 @@ def prefilter(env, alpha, height, samples):
 # ### Noise, and fireflies
 #
 # How many samples does it take? Here is importance sampling by itself, in one direction and with random
-# points. The error falls with the square root of their number: for one digit more, a hundred times the work.
+# points. The error falls with the square root of their number: for one digit more, a hundred times the
+# work.
 #
-# But look at the second line. It is the same sky with its one brightest pixel a hundred times as bright, like
-# a sun that was not clipped by the camera. A few samples hit it and give far too much, the others miss it and
-# give too little. Neighbouring pixels of the map disagree, and in a picture that looks like bright dots:
-# **fireflies**. Not because the method is wrong, on average it is right; but the average of few samples has an
-# enormous spread if one direction in thousands carries most of the light.
+# But look at the second line. It is the same sky with its one brightest pixel a hundred times as bright,
+# like a sun that was not clipped by the camera. A few samples hit it and give far too much, the others miss
+# it and give too little. Neighbouring pixels of the map disagree, and in a picture that looks like bright
+# dots: **fireflies**. Not because the method is wrong, on average it is right; but the average of few
+# samples has an enormous spread if one direction in thousands carries most of the light.
 
 # %% tags=["active-ipynb"]
 # def spread_of_means(env, alpha, samples):
@@ -332,17 +335,18 @@ def prefilter(env, alpha, height, samples):
 # plt.show()
 
 # %% [markdown]
-# Engines fight fireflies in three ways: they look up a coarser version of the map where samples are far apart
-# (`env.mips()` has them), they take the sun out and treat it as a lamp, or they clamp it, and lose light.
+# Engines fight fireflies in three ways: they look up a coarser version of the map where samples are far
+# apart (`env.mips()` has them), they take the sun out and treat it as a lamp, or they clamp it, and lose
+# light.
 #
 # ## 3.4 A chain of maps
 #
 # One map for each roughness would be too many. A handful will do, with look-ups between them. The rougher,
 # the smoother the map, and the fewer pixels it needs: 32 rows for a mirror, 8 for a matt surface.
 #
-# Filter each level **straight from the environment**, not from the level before. A blur of a blur is not the
-# lobe of any roughness, and errors would add up. Mind that `roughness_levels` are roughnesses, and `prefilter`
-# wants $\alpha$.
+# Filter each level **straight from the environment**, not from the level before. A blur of a blur is not
+# the lobe of any roughness, and errors would add up. Mind that `roughness_levels` are roughnesses, and
+# `prefilter` wants $\alpha$.
 
 
 # %% nbgrader={"grade_id": "prefilter_chain", "solution": true}
@@ -377,13 +381,13 @@ def prefilter_chain(env, roughness_levels, heights, samples):
 # %% [markdown]
 # ## 3.5 Looking it up
 #
-# Shading asks for any direction and any roughness. Between pixels, interpolate bilinearly: each level is laid out
-# like an environment, so `fw.Environment(level).radiance(direction)` does it. Between the two nearest levels,
-# interpolate linearly in roughness. This is what graphics hardware calls a *trilinear* look-up. Below the
-# first level and above the last, use these.
+# Shading asks for any direction and any roughness. Between pixels, interpolate bilinearly: each level is
+# laid out like an environment, so `fw.Environment(level).radiance(direction)` does it. Between the two
+# nearest levels, interpolate linearly in roughness. This is what graphics hardware calls a *trilinear*
+# look-up. Below the first level and above the last, use these.
 #
-# Levels may have any spacing: `np.interp(roughness, roughness_levels, np.arange(len(chain)))` tells the position as a number
-# such as 1.25, a quarter of the way from the second level to the third.
+# Levels may have any spacing: `np.interp(roughness, roughness_levels, np.arange(len(chain)))` tells the
+# position as a number such as 1.25, a quarter of the way from the second level to the third.
 
 
 # %% nbgrader={"grade_id": "sample_chain", "solution": true}
@@ -420,9 +424,9 @@ def sample_chain(chain, roughness_levels, direction, roughness):
 # check("3.5")
 
 # %% [markdown]
-# What does the look-up between levels cost? The mean of a sharp and a soft picture is not a picture of medium
-# sharpness: it has a sharp core and a wide halo. Along one direction past the sun, from the level at 0.35 to
-# that at 0.5, against the map that was made for the roughness in the middle:
+# What does the look-up between levels cost? The mean of a sharp and a soft picture is not a picture of
+# medium sharpness: it has a sharp core and a wide halo. Along one direction past the sun, from the level at
+# 0.35 to that at 0.5, against the map that was made for the roughness in the middle:
 
 # %% tags=["active-ipynb"]
 # sun = fw.normalize(sky.directions()[np.unravel_index(luminance.argmax(), luminance.shape)])
@@ -442,17 +446,18 @@ def sample_chain(chain, roughness_levels, direction, roughness):
 # %% [markdown]
 # ## 3.6 The approximation behind it all
 #
-# We replaced the integral of a product by the product of two integrals, without saying so. The lecture does:
+# We replaced the integral of a product by the product of two integrals, without saying so. The lecture
+# does:
 #
 # $$\int_\Omega f(x)\, g(x)\, \mathrm{d}x \;\approx\;
 # \frac{\int_{\Omega_g} f(x)\, \mathrm{d}x}{\int_{\Omega_g} \mathrm{d}x} \cdot \int_\Omega g(x)\, \mathrm{d}x ,$$
 #
-# with $\Omega_g$ the **support** of $g$, the part of the domain where it is not zero. Put the light $L$ for $f$ and the
-# reflection $f_r \cos\theta$ for $g$: the first factor is a blurred map, the second depends on the surface only, and is
-# the subject of the next notebook.
+# with $\Omega_g$ the **support** of $g$, the part of the domain where it is not zero. Put the light $L$ for
+# $f$ and the reflection $f_r \cos\theta$ for $g$: the first factor is a blurred map, the second depends on
+# the surface only, and is the subject of the next notebook.
 #
-# Write it for functions given by samples, with quadrature weights $w$ in place of $\mathrm{d}x$. Where $g$ is
-# zero, $f$ must not count at all, not even if it is `nan` there. Without any support, the result is 0.
+# Write it for functions given by samples, with quadrature weights $w$ in place of $\mathrm{d}x$. Where $g$
+# is zero, $f$ must not count at all, not even if it is `nan` there. Without any support, the result is 0.
 
 
 # %% nbgrader={"grade_id": "classic_approximation", "solution": true}
@@ -482,8 +487,8 @@ def classic_approximation(f, g, weights):
 # check("3.6")
 
 # %% [markdown]
-# When is it good? Let $f$ be a wave of some length, the "sky", and $g$ a bump, the "lobe", which is zero outside
-# of its width. Try it, for a lobe that is flat and for one that is peaked.
+# When is it good? Let $f$ be a wave of some length, the "sky", and $g$ a bump, the "lobe", which is zero
+# outside of its width. Try it, for a lobe that is flat and for one that is peaked.
 
 # %% tags=["active-ipynb"]
 # x = (np.arange(4000) + 0.5) / 4000
@@ -512,19 +517,19 @@ def classic_approximation(f, g, weights):
 # plt.show()
 
 # %% [markdown]
-# The lecture's two rules are visible. The approximation is good where **the support of $g$ is small**, the left of
-# the plot: a polished surface. And it is good where **one of the two is smooth**: with the long wave the error
-# is small everywhere, and for a flat $g$ there is no error at all, whatever the light does. It fails at the upper
-# right: a wide, peaked lobe over light that changes within it.
+# The lecture's two rules are visible. The approximation is good where **the support of $g$ is small**, the
+# left of the plot: a polished surface. And it is good where **one of the two is smooth**: with the long
+# wave the error is small everywhere, and for a flat $g$ there is no error at all, whatever the light does.
+# It fails at the upper right: a wide, peaked lobe over light that changes within it.
 #
-# Our filter uses the lobe itself as a weight for the light, not just its support. That is better than the formula: much
-# of what the peak does is in the map already. What stays wrong is that the lobe of the map is round, and the
-# real one is not.
+# Our filter uses the lobe itself as a weight for the light, not just its support. That is better than the
+# formula: much of what the peak does is in the map already. What stays wrong is that the lobe of the map is
+# round, and the real one is not.
 #
 # ## The picture
 #
-# A mesh, rasterised, and lit by nothing but look-ups: for each visible pixel one into the chain, along the mirror
-# direction, and one into the irradiance. The ball is polished on one side and rough on the other.
+# A mesh, rasterised, and lit by nothing but look-ups: for each visible pixel one into the chain, along the
+# mirror direction, and one into the irradiance. The ball is polished on one side and rough on the other.
 
 # %% tags=["active-ipynb"]
 # ball = fw.mesh.shading_ball()
@@ -548,9 +553,9 @@ def classic_approximation(f, g, weights):
 # fw.show.image(render(300, 200))
 
 # %% [markdown]
-# One look-up where there were 128 directions, and no noise. Look at the rim: a real rough surface mirrors more and
-# more light there, and its highlights stretch towards the viewer. Ours stay round, because the map was made for
-# someone who looks from straight above. The next notebook puts the first of the two right.
+# One look-up where there were 128 directions, and no noise. Look at the rim: a real rough surface mirrors
+# more and more light there, and its highlights stretch towards the viewer. Ours stay round, because the map
+# was made for someone who looks from straight above. The next notebook puts the first of the two right.
 #
 # ## A question
 #
@@ -562,13 +567,13 @@ def classic_approximation(f, g, weights):
 #   with the right density? What would you sample instead?
 
 # %% [markdown] nbgrader={"grade_id": "question-3", "solution": true, "points": 2}
-# The weights n.l lie between 0 and 1, and the wider the lobe the smaller they are on average. Divided by the
-# number of samples, rough levels come out too dark, at roughness 1 by a third and more. A constant environment shows
-# it: each level must have the same constant.
+# The weights n.l lie between 0 and 1, and the wider the lobe the smaller they are on average. Divided by
+# the number of samples, rough levels come out too dark, at roughness 1 by a third and more. A constant
+# environment shows it: each level must have the same constant.
 #
-# The density follows the lobe and knows nothing of the light. The product of both has its peak at the sun, where
-# few samples fall, so that the rare hits carry most of the sum: the variance is large though the mean is
-# right. Sample the light, directions by their radiance times solid angle, or both with weights (multiple
+# The density follows the lobe and knows nothing of the light. The product of both has its peak at the sun,
+# where few samples fall, so that the rare hits carry most of the sum: the variance is large though the mean
+# is right. Sample the light, directions by their radiance times solid angle, or both with weights (multiple
 # importance sampling); or look up a coarser map where samples are sparse; or add up all pixels.
 
 # %% [markdown]

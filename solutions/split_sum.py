@@ -16,10 +16,11 @@
 #
 # ![A ball of gold and a ball of clay in a row from smooth to rough](goal.png)
 #
-# A polished and a brushed spoon, a glazed and an unglazed cup: the difference is what happens between the light and
-# the eye, at a surface rougher than one can see. You will build the model that games and films use for it,
-# compute its light once the right way, by **adding up hundreds of directions at every point**, and then
-# the fast way, with **two look-ups**. And you will measure what the fast way gets wrong, and where.
+# A polished and a brushed spoon, a glazed and an unglazed cup: the difference is what happens between the
+# light and the eye, at a surface rougher than one can see. You will build the model that games and films
+# use for it, compute its light once the right way, by **adding up hundreds of directions at every point**,
+# and then the fast way, with **two look-ups**. And you will measure what the fast way gets wrong, and
+# where.
 #
 # You need the idea of the notebook `prefilter`: an environment blurred by the lobe of a rough mirror. The
 # blurred maps are given here, ready-made.
@@ -54,14 +55,14 @@ import framework as fw
 # %% [markdown]
 # ## 4.1 How much is reflected: Fresnel
 #
-# Look down into a pond and you see its ground; look across and you see the sky. Every surface reflects more at a
-# grazing angle, and everything at the last. The exact formulas are long. Schlick's fit needs one number, $R_0$,
-# the reflectance straight from above:
+# Look down into a pond and you see its ground; look across and you see the sky. Every surface reflects more
+# at a grazing angle, and everything at the last. The exact formulas are long. Schlick's fit needs one
+# number, $R_0$, the reflectance straight from above:
 #
 # $$F(\theta) = R_0 + (1 - R_0)(1 - \cos\theta)^5 .$$
 #
-# For glass or water $R_0$ follows from the indices of refraction on both sides. Metals have high values, and a
-# different one for each colour: that is the colour of gold.
+# For glass or water $R_0$ follows from the indices of refraction on both sides. Metals have high values,
+# and a different one for each colour: that is the colour of gold.
 #
 # $$R_0 = \left(\frac{n_1 - n_2}{n_1 + n_2}\right)^2$$
 #
@@ -124,8 +125,9 @@ def r0_from_ior(n1, n2):
 # %% [markdown]
 # ## 4.2 Where the facets point: the distribution of normals
 #
-# A microfacet reflects $l$ into $v$ if its own normal is the half vector between them. $D$ says how many facets
-# point in each direction, per steradian. With $\theta$ the tilt of the half vector, $\cos\theta = n \cdot h$:
+# A microfacet reflects $l$ into $v$ if its own normal is the half vector between them. $D$ says how many
+# facets point in each direction, per steradian. With $\theta$ the tilt of the half vector, $\cos\theta = n
+# \cdot h$:
 #
 # $$D_\text{Beckmann} = \frac{e^{-\tan^2\theta / \alpha^2}}{\pi \alpha^2 \cos^4\theta}, \qquad
 # D_\text{GGX} = \frac{\alpha^2}{\pi \left(1 + (\alpha^2 - 1) \cos^2\theta\right)^2}$$
@@ -134,8 +136,8 @@ def r0_from_ior(n1, n2):
 # both are 0.
 #
 # They must work down to $\alpha = 10^{-4}$, where $1 + (\alpha^2 - 1)\cos^2\theta$ is the difference of two
-# numbers close to 1. Written as $\alpha^2 \cos^2\theta + (1 - \cos\theta)(1 + \cos\theta)$ it is a sum, and nothing
-# is lost.
+# numbers close to 1. Written as $\alpha^2 \cos^2\theta + (1 - \cos\theta)(1 + \cos\theta)$ it is a sum, and
+# nothing is lost.
 
 
 # %% nbgrader={"grade_id": "ndf", "solution": true}
@@ -211,8 +213,9 @@ def ndf_ggx(cos_h, alpha):
 # %% [markdown]
 # ## 4.3 Facets in the way: masking and shadowing
 #
-# Facets stand in each other's way, most of all at grazing angles. $G$ is the part of them that both the light and
-# the viewer see. Smith's form derives it from $D$. For GGX, with light and view at heights that belong together:
+# Facets stand in each other's way, most of all at grazing angles. $G$ is the part of them that both the
+# light and the viewer see. Smith's form derives it from $D$. For GGX, with light and view at heights that
+# belong together:
 #
 # $$G = \frac{1}{1 + \Lambda(i) + \Lambda(o)}, \qquad
 # \Lambda = \frac{\sqrt{1 + \alpha^2 \tan^2\theta} - 1}{2}$$
@@ -264,13 +267,14 @@ def masking_shadowing(cos_i, cos_o, alpha):
 # %% [markdown]
 # ## 4.4 The microfacet BRDF
 #
-# Everything together: of the facets that point along $h$ (there are $D$), the visible part ($G$) reflects the share
-# $F$. The denominator turns densities of normals into densities of directions.
+# Everything together: of the facets that point along $h$ (there are $D$), the visible part ($G$) reflects
+# the share $F$. The denominator turns densities of normals into densities of directions.
 #
 # $$f_r(i, o) = \frac{F\, G\, D}{4\, (n \cdot i)\, (n \cdot o)}, \qquad h = \frac{i + o}{\lVert i + o \rVert}$$
 #
-# The facets are the mirrors, so $F$ takes *their* angle, $v \cdot h$, not the angle to $n$. Return 0 where light or
-# view is at or below the horizon. `r0` may be a number, a colour or one colour a point: make it a colour first.
+# The facets are the mirrors, so $F$ takes *their* angle, $v \cdot h$, not the angle to $n$. Return 0 where
+# light or view is at or below the horizon. `r0` may be a number, a colour or one colour a point: make it a
+# colour first.
 
 
 # %% nbgrader={"grade_id": "microfacet_brdf", "solution": true}
@@ -312,7 +316,8 @@ def microfacet_brdf(normal, view, to_light, r0, alpha):
 # check("4.4")
 
 # %% [markdown]
-# Slices through the lobe. The light comes from the left; each curve says how much goes out in each direction.
+# Slices through the lobe. The light comes from the left; each curve says how much goes out in each
+# direction.
 
 # %% tags=["active-ipynb"]
 # out = np.linspace(-np.pi / 2, np.pi / 2, 721)[1:-1]
@@ -333,8 +338,8 @@ def microfacet_brdf(normal, view, to_light, r0, alpha):
 # plt.show()
 
 # %% [markdown]
-# The peak lies where a mirror would send the light, but only for smooth surfaces. The rougher and the more grazing,
-# the further out it moves. Remember this when we come to *the price*.
+# The peak lies where a mirror would send the light, but only for smooth surfaces. The rougher and the more
+# grazing, the further out it moves. Remember this when we come to *the price*.
 #
 # ## 4.5 The slow, right answer
 #
@@ -343,19 +348,20 @@ def microfacet_brdf(normal, view, to_light, r0, alpha):
 # $$L_o = \int_\Omega L(l)\, f_r(l, v)\, (n \cdot l)\, \mathrm{d}l
 # \approx \frac1N \sum_{k=1}^{N} \frac{L(l_k)\, f_r(l_k, v)\, (n \cdot l_k)}{p(l_k)} .$$
 #
-# Draw $l$ where $f_r$ is large: half vectors from `fw.sample_ggx(xi, alpha)`, `(N, 2)` and `(N,)` to `(N, 3)`
-# about $+z$, turned to the normal by `fw.orthonormal_frame`, then $l = 2 (v \cdot h)\, h - v$. Their density is
-# $D\, (n \cdot h)$ per steradian of $h$. Directions $l$ spread out four times $(v \cdot h)$ as fast:
+# Draw $l$ where $f_r$ is large: half vectors from `fw.sample_ggx(xi, alpha)`, `(N, 2)` and `(N,)` to `(N,
+# 3)` about $+z$, turned to the normal by `fw.orthonormal_frame`, then $l = 2 (v \cdot h)\, h - v$. Their
+# density is $D\, (n \cdot h)$ per steradian of $h$. Directions $l$ spread out four times $(v \cdot h)$ as
+# fast:
 #
 # $$p(l) = \frac{D\, (n \cdot h)}{4\, (v \cdot h)} \qquad\text{so that}\qquad
 # \frac{f_r\, (n \cdot l)}{p} = \frac{F\, G\, (v \cdot h)}{(n \cdot v)(n \cdot h)} .$$
 #
-# $D$, which may be huge, has cancelled: use the form on the right. A sample below the horizon counts as 0, but **it
-# counts**: you divide by all $N$. So does one with $v \cdot h \le 0$.
+# $D$, which may be huge, has cancelled: use the form on the right. A sample below the horizon counts as 0,
+# but **it counts**: you divide by all $N$. So does one with $v \cdot h \le 0$.
 #
-# Random numbers come from `rng` and from nowhere else, each point gets its own. Points whose view is at or below the
-# horizon get 0. `env.radiance` takes `(M, 3)` directions; for many points times many samples work in portions
-# of some 100 000 directions.
+# Random numbers come from `rng` and from nowhere else, each point gets its own. Points whose view is at or
+# below the horizon get 0. `env.radiance` takes `(M, 3)` directions; for many points times many samples work
+# in portions of some 100 000 directions.
 
 
 # %% nbgrader={"grade_id": "monte_carlo_shade", "solution": true}
@@ -444,34 +450,34 @@ def monte_carlo_shade(env, normal, view, r0, alpha, samples, rng):
 #     fw.show.image(on_ball(color), title=f"{samples} samples, {seconds:.2f} s for {len(normal)} points")
 
 # %% [markdown]
-# At one million pixels and sixty pictures a second there is a nanosecond for each direction. Not even a fast
-# machine gets there.
+# At one million pixels and sixty pictures a second there is a nanosecond for each direction. Not even a
+# fast machine gets there.
 #
 # ## 4.6 Split it
 #
-# The lecture's step, the classic approximation of `prefilter`: take the light out of the integral, averaged over
-# the lobe.
+# The lecture's step, the classic approximation of `prefilter`: take the light out of the integral, averaged
+# over the lobe.
 #
 # $$\int L\, f_r\, (n \cdot l)\, \mathrm{d}l \;\approx\;
 # \underbrace{L_\text{prefiltered}(r, \text{roughness})}_{\text{first look-up}} \cdot
 # \underbrace{\int f_r\, (n \cdot l)\, \mathrm{d}l}_{\text{second look-up}}$$
 #
-# What is left is the reflection under a white sky. It depends on roughness, on $n \cdot v$, and on $R_0$: three
-# numbers, a table that is too large. But Schlick's formula is *linear* in $R_0$. Put it in:
+# What is left is the reflection under a white sky. It depends on roughness, on $n \cdot v$, and on $R_0$:
+# three numbers, a table that is too large. But Schlick's formula is *linear* in $R_0$. Put it in:
 #
 # $$\int f_r\, (n \cdot l)\, \mathrm{d}l =
 # R_0 \underbrace{\int \frac{f_r}{F} \left(1 - (1 - \cos\theta)^5\right) (n \cdot l)\, \mathrm{d}l}_{\text{scale}}
 # + \underbrace{\int \frac{f_r}{F} (1 - \cos\theta)^5\, (n \cdot l)\, \mathrm{d}l}_{\text{bias}}$$
 #
-# and $R_0$ is out of the integral: two numbers for each roughness and cosine, a picture with two channels. The lecture
-# writes one angle for all of them. The one that counts is again that of the facets, $\cos\theta = v \cdot h$, and it
-# varies under the integral: that is why $(1 - \cos\theta)^5$ stays inside.
+# and $R_0$ is out of the integral: two numbers for each roughness and cosine, a picture with two channels.
+# The lecture writes one angle for all of them. The one that counts is again that of the facets, $\cos\theta
+# = v \cdot h$, and it varies under the integral: that is why $(1 - \cos\theta)^5$ stays inside.
 #
-# Fill the table. Row $i$ is roughness $(i + 0.5) / \text{size}$, column $j$ is $n \cdot v = (j + 0.5) / \text{size}$.
-# The samples are those of 4.5, without light: average $G (v \cdot h) / ((n \cdot v)(n \cdot h))$ times
-# $1 - (1 - v \cdot h)^5$ for the first number, times $(1 - v \cdot h)^5$ for the second.
-# `fw.hammersley(samples)` is better than random points, and all entries may use the same. Here $n = (0, 0, 1)$
-# and $v = (\sqrt{1 - \mu^2}, 0, \mu)$.
+# Fill the table. Row $i$ is roughness $(i + 0.5) / \text{size}$, column $j$ is $n \cdot v = (j + 0.5) /
+# \text{size}$. The samples are those of 4.5, without light: average $G (v \cdot h) / ((n \cdot v)(n \cdot
+# h))$ times $1 - (1 - v \cdot h)^5$ for the first number, times $(1 - v \cdot h)^5$ for the second.
+# `fw.hammersley(samples)` is better than random points, and all entries may use the same. Here $n = (0, 0,
+# 1)$ and $v = (\sqrt{1 - \mu^2}, 0, \mu)$.
 
 
 # %% nbgrader={"grade_id": "brdf_lut", "solution": true}
@@ -528,16 +534,16 @@ def brdf_lut(size, samples):
 #     print(f"{name:20s} scale {scale:.3f}  bias {bias:.3f}  sum {scale + bias:.3f}")
 
 # %% [markdown]
-# Four corners that one can check without a computer, or nearly. A smooth surface is a mirror: the two numbers are
-# $1 - (1 - \mu)^5$ and $(1 - \mu)^5$. From above there is no Fresnel term, the bias is 0. The sum is what a perfect
-# white metal reflects. For the roughest from straight above it is $1 - \ln 2 = 0.307$, and not 1:
-# light that bounces twice between facets is left out by the model, not by you.
+# Four corners that one can check without a computer, or nearly. A smooth surface is a mirror: the two
+# numbers are $1 - (1 - \mu)^5$ and $(1 - \mu)^5$. From above there is no Fresnel term, the bias is 0. The
+# sum is what a perfect white metal reflects. For the roughest from straight above it is $1 - \ln 2 =
+# 0.307$, and not 1: light that bounces twice between facets is left out by the model, not by you.
 #
 # ## 4.7 Look it up
 #
-# Entry $i$ of $n$ stands for $(i + 0.5) / n$, so $x$ lies at position $x n - 0.5$ between the entries. Interpolate
-# linearly in both directions, and beyond the outermost centres use their values. The table may have any size, even 1,
-# and the arguments any shapes that broadcast.
+# Entry $i$ of $n$ stands for $(i + 0.5) / n$, so $x$ lies at position $x n - 0.5$ between the entries.
+# Interpolate linearly in both directions, and beyond the outermost centres use their values. The table may
+# have any size, even 1, and the arguments any shapes that broadcast.
 
 
 # %% nbgrader={"grade_id": "sample_lut", "solution": true}
@@ -575,8 +581,8 @@ def sample_lut(lut, cos_theta, roughness):
 # check("4.7")
 
 # %% [markdown]
-# What does a coarse table cost? Its error comes from two sources: the samples and the interpolation. Here only
-# the second, between tables of equal samples:
+# What does a coarse table cost? Its error comes from two sources: the samples and the interpolation. Here
+# only the second, between tables of equal samples:
 
 # %% tags=["active-ipynb"]
 # fine = brdf_lut(128, 64)
@@ -588,13 +594,14 @@ def sample_lut(lut, cos_theta, roughness):
 # %% [markdown]
 # ## 4.8 Two look-ups
 #
-# Here it is, the whole renderer for light from an environment: reflect the view about the normal, look up the
-# blurred light, look up the table.
+# Here it is, the whole renderer for light from an environment: reflect the view about the normal, look up
+# the blurred light, look up the table.
 #
 # $$L_o \approx L_\text{prefiltered}(r, \text{roughness}) \cdot (R_0\, \text{scale} + \text{bias})$$
 #
-# Note that it is $R_0$ and not $F$: the Fresnel term is in the table. `prefiltered` is a function that takes `(N, 3)`
-# directions and `(N,)` roughnesses, so a single number must be made as many. 0 where $n \cdot v \le 0$.
+# Note that it is $R_0$ and not $F$: the Fresnel term is in the table. `prefiltered` is a function that
+# takes `(N, 3)` directions and `(N,)` roughnesses, so a single number must be made as many. 0 where $n
+# \cdot v \le 0$.
 
 
 # %% nbgrader={"grade_id": "shade_split_sum", "solution": true}
@@ -654,9 +661,10 @@ def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
 #     fw.show.image(gain * np.vstack([np.hstack(slow), np.hstack(fast)]), title=name)
 
 # %% [markdown]
-# From the front, and where the surface is smooth, they agree. Towards the rim of the rough balls the split sum goes
-# wrong: real highlights stretch and move outwards there, its own stay round. Four
-# things were given up, and we can undo them one at a time at a few points of the ball, from the true answer to the fast one:
+# From the front, and where the surface is smooth, they agree. Towards the rim of the rough balls the split
+# sum goes wrong: real highlights stretch and move outwards there, its own stay round. Four things were
+# given up, and we can undo them one at a time at a few points of the ball, from the true answer to the fast
+# one:
 #
 # 1. **separation**: the light and the reflection are averaged apart, but still with the true lobe;
 # 2. **n = v = r**: the light is averaged with the lobe of someone who looks from above;
@@ -695,8 +703,9 @@ def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
 #     print(f"{roughness:9.2f}" + "".join(f"{share:12.1%}" for share in steps(roughness)))
 
 # %% [markdown]
-# The table is innocent. For smooth surfaces all of it is small. For rough ones the largest part is not the split
-# itself but **n = v = r**: the shape of the lobe. It is a property of the map, so no table can mend it.
+# The table is innocent. For smooth surfaces all of it is small. For rough ones the largest part is not the
+# split itself but **n = v = r**: the shape of the lobe. It is a property of the map, so no table can mend
+# it.
 #
 # ## The picture
 
@@ -722,34 +731,34 @@ def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
 # fw.show.image(render(300, 200))
 
 # %% [markdown]
-# The upper row is gold, the lower one clay: $R_0 = 0.04$ over a matt ground. From left to right the roughness goes from 0
-# to 1. The rims of the smooth clay balls are bright: that is the bias of the table.
+# The upper row is gold, the lower one clay: $R_0 = 0.04$ over a matt ground. From left to right the
+# roughness goes from 0 to 1. The rims of the smooth clay balls are bright: that is the bias of the table.
 #
 # ## A question
 #
 # Answer in a few sentences of your own, in the cell below (2 points, read by a person):
 #
 # - Why can $R_0$ be taken out of the integral, and why could one not do the same with $\alpha$?
-# - A white metal, $R_0 = 1$, that is very rough, under a white sky of radiance 1: what does the split sum show from
-#   straight above, and why is it not 1? Is this the fault of the split?
+# - A white metal, $R_0 = 1$, that is very rough, under a white sky of radiance 1: what does the split sum
+#   show from straight above, and why is it not 1? Is this the fault of the split?
 
 # %% [markdown] nbgrader={"grade_id": "question-4", "solution": true, "points": 2}
-# Schlick's F is linear in R0: F = R0 (1 - x) + x with x = (1 - v.h)^5, and a factor or a sum that does not depend on l
-# may leave the integral over l. So two integrals without R0 remain. Alpha stands inside D and G, in a
-# way that is not linear and that depends on l through h: for each alpha it is another integral, which is why the table
-# has a row for each.
+# Schlick's F is linear in R0: F = R0 (1 - x) + x with x = (1 - v.h)^5, and a factor or a sum that does not
+# depend on l may leave the integral over l. So two integrals without R0 remain. Alpha stands inside D and
+# G, in a way that is not linear and that depends on l through h: for each alpha it is another integral,
+# which is why the table has a row for each.
 #
-# About 0.31, 1 - ln 2 at alpha = 1. Under a white sky the split is exact, since the light is the same wherever it is
-# averaged. What is missing is light that meets a facet twice: the model drops what G hides, though in truth it
-# would be reflected again. It can be put back by a multiple-scattering term.
+# About 0.31, 1 - ln 2 at alpha = 1. Under a white sky the split is exact, since the light is the same
+# wherever it is averaged. What is missing is light that meets a facet twice: the model drops what G hides,
+# though in truth it would be reflected again. It can be put back by a multiple-scattering term.
 
 # %% [markdown]
 # ## Where to go from here
 #
-# - Replace $F$ at $v \cdot h$ by $F$ at $n \cdot v$ in 4.6, the "one angle for all", and compare the tables at their rough
-#   rows.
-# - Put back the light that bounces twice: multiply by $1 + R_0 (1 / (\text{scale} + \text{bias}) - 1)$, and try the white
-#   metal again.
-# - Half vectors from `fw.sample_ggx` ignore the view. Sampling only the normals that the viewer sees makes every weight
-#   at most 1. How many samples does it save at grazing angles?
+# - Replace $F$ at $v \cdot h$ by $F$ at $n \cdot v$ in 4.6, the "one angle for all", and compare the tables
+#   at their rough rows.
+# - Put back the light that bounces twice: multiply by $1 + R_0 (1 / (\text{scale} + \text{bias}) - 1)$, and
+#   try the white metal again.
+# - Half vectors from `fw.sample_ggx` ignore the view. Sampling only the normals that the viewer sees makes
+#   every weight at most 1. How many samples does it save at grazing angles?
 # - All of this was without shadows. The last notebook, `environment_shadows`, puts them back.
