@@ -124,16 +124,17 @@ def settle(result):
 
 
 def _first_miss(rounds):
-    for round_ in rounds:
-        for measure in round_.measures:
-            if measure.credit < 1:
-                hidden = "" if round_.public else " (on inputs that the notebook does not show)"
-                error, limit = _number(measure.error), _number(measure.tolerance)
-                why = f" {measure.message}:" if measure.message and not measure.work else ""
-                if measure.work:
-                    return f"right, but more work than needed: {measure.message}"
-                return f"{measure.name}:{why} the error is {error}, allowed is {limit}{hidden}"
-    return ""
+    """The first measure that was missed, at its worst, in a sentence."""
+    missed = [(m, r.public) for r in rounds for m in r.measures if m.credit < 1]
+    if not missed:
+        return ""
+    name = missed[0][0].name
+    worst = max((m for m, _ in missed if m.name == name), key=_over)
+    if worst.work:
+        return f"right, but more work than needed: {worst.message}"
+    hidden = "" if missed[0][1] else " (on inputs that the notebook does not show)"
+    why = f" {worst.message}:" if worst.message else ""
+    return f"{name}:{why} the error is {_number(worst.error)}, allowed is {_number(worst.tolerance)}{hidden}"
 
 
 def result_of(read, student, level, judgements) -> dict:
@@ -163,7 +164,7 @@ def check_record(judgement):
     """A task's entry in the result."""
     measures = [m for r in judgement.rounds for m in r.measures]
     worst = max((m for m in measures if not m.work), key=_over, default=None)
-    works = [m for m in measures if m.work]
+    work = max((m for m in measures if m.work), key=_over, default=None)
     failure = next((r.failure for r in judgement.rounds if r.failure is not None), None)
     return {
         "id": judgement.task.id, "name": judgement.task.name, "status": judgement.status,
@@ -171,8 +172,8 @@ def check_record(judgement):
         "metric": worst.metric if worst else None,
         "error": _finite(worst.error) if worst else None,
         "tolerance": _finite(worst.tolerance) if worst else None,
-        "evaluations": sum(m.evaluations for m in works) if works else None,
-        "evaluations_reference": sum(m.evaluations_reference for m in works) if works else None,
+        "evaluations": work.evaluations if work else None,
+        "evaluations_reference": work.evaluations_reference if work else None,
         "message": judgement.message, "likely_mistake": None, "hint": None,
         "images": {"yours": None, "reference": None, "difference": None},
         "title": judgement.task.asks, "cpu_seconds": round(judgement.cpu_seconds, 3),
@@ -186,19 +187,28 @@ def _merged(judgement):
     merged: dict[str, dict] = {}
     for round_ in judgement.rounds:
         for m, part, earned in round_.earnings:
-            entry = merged.setdefault(m.name, {"measure": m, "share": 0.0, "earned": 0.0, "public": False})
+            entry = merged.setdefault(m.name, {"measure": m, "share": 0.0, "earned": 0.0, "missed": []})
             if _over(m) > _over(entry["measure"]):
                 entry["measure"] = m
             entry["share"] += round_.weight * part
             entry["earned"] += round_.weight * earned
-            entry["public"] |= round_.public and m.credit < 1
+            if m.credit < 1:
+                entry["missed"].append(round_.public)
     return [
         {"name": name, "metric": e["measure"].metric, "error": _finite(e["measure"].error),
          "tolerance": _finite(e["measure"].tolerance), "credit": rounded(e["earned"] / e["share"] if e["share"] else 0.0),
-         "share": rounded(e["share"]), "message": e["measure"].message, "work": e["measure"].work,
-         "hidden_only": e["earned"] < e["share"] and not e["public"]}
+         "share": rounded(e["share"]), "message": _remark(e), "work": e["measure"].work,
+         "hidden_only": e["missed"] == [False]}
         for name, e in merged.items()
     ]  # fmt: skip
+
+
+def _remark(entry):
+    """What a measure asks for; of one that is met and yet earns less, why."""
+    if entry["missed"] or entry["earned"] >= entry["share"] - 1e-9:
+        return entry["measure"].message
+    other = "all else is right" if entry["measure"].work else "the values are right"
+    return f"within its limit; it counts as far as {other}"
 
 
 def _over(measure):
