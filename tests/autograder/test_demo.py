@@ -30,7 +30,7 @@ def test_right_answers_have_full_marks_in_whatever_way(made):
 def test_mistakes_lose_marks_in_their_own_task_and_say_why(made):
     assert set(lost(made, "chloe")) == {"sdf_box"} and set(lost(made, "dan")) == {"sphere_trace"}
     assert "inside, the distance is negative" in lost(made, "chloe")["sdf_box"]["message"]
-    assert "a ray that is out of steps is a miss" in lost(made, "dan")["sphere_trace"]["message"]
+    assert "without a hit it is a miss" in lost(made, "dan")["sphere_trace"]["message"]
     for student, name in (("chloe", "sdf_box"), ("dan", "sphere_trace")):
         page = (made / "graded" / "pages" / student / "sphere_tracing.html").read_text()
         assert lost(made, student)[name]["message"].split(":")[1].strip() in page
