@@ -108,11 +108,19 @@ def ground():
     return fw.Mesh(corners.reshape(-1, 3), np.arange(186).reshape(-1, 3))
 
 
+def soup():
+    """Small triangles in a thick layer, many deep at each pixel, of either side."""
+    rng = np.random.default_rng(9)
+    corners = rng.uniform(-1, 1, (3000, 1, 3)) * [1, 1, 0.2] + 0.08 * rng.normal(size=(3000, 3, 3))
+    return fw.Mesh(corners.reshape(-1, 3), np.arange(9000).reshape(-1, 3))
+
+
 SCENES = {
-    "bumps": (lambda: shapes.bumpy_sphere(6000), CAMERA),
+    "bumps": (lambda: shapes.bumpy_sphere(4000), CAMERA),
     "teapot": (teapot, fw.Camera((5, 7, 12), (0, 1.5, 0), (0, 1, 0), 0.9)),
-    "ball": (lambda: shapes.shading_ball(48, 64), CAMERA),
+    "ball": (lambda: shapes.shading_ball(40, 48), CAMERA),
     "slivers": (slivers, CAMERA),
+    "soup": (soup, CAMERA),
     "ground": (ground, fw.Camera((0.1, 0.2, 0.3), (0.5, -0.1, -1), (0, 1, 0), 1.4)),
     "inside": (
         lambda: shapes.bumpy_sphere(3000, 0.3),
@@ -207,6 +215,17 @@ def test_from_inside_a_closed_mesh_shows_one_back_more_than_fronts_at_every_pixe
     for mesh in (shapes.box(), shapes.bumpy_sphere(400, 0.4, 5.0), shapes.box((1e5, 1e5, 1e5))):
         front, back = coverage(mesh, camera, 60, 44, near=1e-3)
         assert_array_equal(back - front, 1)
+
+
+def test_around_a_corner_at_a_pixels_centre_faces_that_reach_behind_the_camera_share_the_pixels_out():
+    camera = fw.Camera((0.3, -0.2, 0.1), (0.1, 0.4, -2), (0, 1, 0), 1.5)
+    for row, column in np.random.default_rng(6).integers(0, 35, (25, 2)):
+        apex = camera.position + 1.7 * rays(camera, 47, 35)[row, column]
+        around = np.linspace(0, 2 * np.pi, 9, endpoint=False) + 0.1
+        ring = camera.position + np.c_[3 * np.cos(around), 3 * np.sin(around), np.full(9, 0.3)]
+        faces = [[0, 1 + k, 1 + (k + 1) % 9] for k in range(9)]
+        front, back = coverage(fw.Mesh(np.vstack([apex, ring]), faces), camera, 47, 35)
+        assert_array_equal(front + back, 1)
 
 
 def test_triangles_of_a_ten_thousandth_of_a_pixel_leave_no_hole():
