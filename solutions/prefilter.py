@@ -14,7 +14,7 @@
 # %% [markdown]
 # # Prefiltered environments
 #
-# ![A bumpy ball, from rough to polished, under a photographed sky](goal.png)
+# ![A ball with a groove on a foot, polished on one side and rough on the other, under a photographed sky](goal.png)
 #
 # So far the light came from one lamp. Outdoors it comes from everywhere: the sun, the blue sky around it,
 # clouds, the ground. A photograph of all directions, an **environment map**, holds all of it, and to shade

@@ -711,7 +711,7 @@ def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
 
 # %% tags=["active-ipynb"]
 # meshes = [fw.mesh.sphere(0.46, (x, y, 0.0)) for y in (0.55, -0.55) for x in (-2.2, -1.1, 0.0, 1.1, 2.2)]
-# wide = fw.Camera(position=(0.0, 0.0, 9.0), target=(0.0, 0.0, 0.0), up=(0, 1, 0), fov_y=0.38)
+# wide = fw.Camera(position=(0.0, 0.0, 9.0), target=(0.0, 0.0, 0.0), up=(0, 1, 0), fov_y=0.43)
 # clay = np.array([0.04, 0.04, 0.04])
 #
 #
