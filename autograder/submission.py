@@ -70,7 +70,8 @@ def read(path, assignment=None) -> Submission:
     changed = {g for g, source in sources.items() if _bare(source) != _bare(released.cells[g])}
     course = notebook.get("metadata", {}).get("course", {})
     version = course.get("version") if isinstance(course, dict) else None
-    return Submission(assignment, str(version or ""), sources,
+    version = version.encode("ascii", "replace").decode()[:40] if isinstance(version, str) else ""
+    return Submission(assignment, version, sources,
                       frozenset(changed), hashlib.sha256(block).hexdigest())  # fmt: skip
 
 
@@ -169,4 +170,3 @@ def _source(cell):
 
 def _bare(source):
     return [line.rstrip() for line in source.splitlines() if line.strip()]
-
