@@ -11,6 +11,7 @@ import traceback
 import numpy as np
 
 from autograder import wall
+from autograder.bounded import bounded
 
 MAX_SERVED_CALLS, MAX_DEPTH = 200_000, 16
 
@@ -55,6 +56,7 @@ class Remote:
         self._served = list(lower.values())
         self._final = self._deadline = deadline
         self._calls = self._depth = 0
+        self._watched = False
         self.cell, self.cell_failures = None, {}
 
     def load(self, job):
@@ -110,15 +112,16 @@ class Remote:
                 if kind != wall.CALL:
                     raise Failure("crashed", "the process sent what no task sends")
                 self._serve(number, count)
-        except wall.Breach as breach:
-            raise Failure("crashed", f"the process broke the protocol: {breach}") from None
         finally:
             self._deadline = outer
             self._depth -= 1
 
     def _serve(self, number, count):
         """Answer a call of the student's to one of the grader's functions; its time is not the student's."""
-        arguments = wall.read_call(count, self._read)
+        try:
+            arguments = wall.read_call(count, self._read)
+        except wall.Breach as breach:
+            raise Failure("crashed", f"the process broke the protocol: {breach}") from None
         self._calls += 1
         begun = time.monotonic()
         try:
@@ -126,17 +129,36 @@ class Remote:
                 raise Failure("timeout", f"more than {MAX_SERVED_CALLS} calls to functions that the grader serves")
             if number >= len(self._served):
                 raise ValueError("no such function")
-            with np.errstate(all="ignore"):
-                answer = ("answer", self._served[number](*[self._argument(*pair) for pair in arguments]))
+            # the outermost call holds for those within it
+            with self._bounds(), np.errstate(all="ignore"):
+                answer = wall.pack_message(("answer", self._served[number](*[self._argument(*a) for a in arguments])))
         except Failure:
             raise
         except Exception as refused:  # a wrong argument is the student's to hear of
-            answer = ("raise", wall.sentence(refused))
+            answer = wall.pack_message(("raise", wall.sentence(refused)))
         self._deadline += time.monotonic() - begun
         self._send(answer)
 
+    @contextlib.contextmanager
+    def _bounds(self):
+        if self._watched:
+            yield
+            return
+        self._watched = True
+        try:
+            with bounded(self._final, self._late_at_last):
+                yield
+        finally:
+            self._watched = False
+
+    def _late_at_last(self):
+        self._deadline = self._final
+        return self._late()
+
     def _argument(self, kind, value):
         if kind == wall.SERVED:
+            if not 0 <= value < len(self._served):
+                raise ValueError("no such function")
             return self._served[value]
         if kind == wall.LOCAL:
             return lambda points: self._ask(
@@ -164,7 +186,7 @@ class Remote:
     def _send(self, message):
         self._link.settimeout(max(self._deadline - time.monotonic(), 0.01))
         try:
-            self._link.sendall(wall.pack_message(message))
+            self._link.sendall(message if isinstance(message, bytes) else wall.pack_message(message))
         except TimeoutError:
             raise self._late() from None
         except OSError:

@@ -2,8 +2,11 @@
 
 import os
 import pickle
+import re
+import signal
 import socket
 import struct
+import sys
 import threading
 import time
 
@@ -177,3 +180,108 @@ def test_calls_without_end_end():
     assert said.value.status == "crashed" and "deep" in said.value.message
     theirs.close()
     thread.join(5)
+
+
+def test_garbage_while_cells_are_run_is_a_failure():
+    """What comes before a task's functions are loaded passes through the same gate."""
+    head = wall.HEADER.pack(wall.CELL, 0, 0, 0)
+    streams = [
+        head + wall.HEADER.pack(wall.CALL, 0, 65535, 0),
+        head + VALUE,
+        ERROR[:30],
+        bytes(40),
+        CALL[:20],
+    ]
+    streams += [np.random.default_rng(seed).bytes(200) for seed in range(100)]
+    for stream in streams:
+        ours, theirs = socket.socketpair()
+        with ours, theirs:
+            theirs.sendall(stream)
+            theirs.shutdown(socket.SHUT_WR)
+            with pytest.raises(Failure):
+                Remote(Box(), ours, {"f": lambda p: p}, time.monotonic() + 10).load({})
+
+
+def said_to_student(call, served, final=10.0):
+    """What the student's side hears when it makes this call, or the grader's Failure."""
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        threading.Thread(target=theirs.sendall, args=(call + VALUE,), daemon=True).start()
+        remote = Remote(Box(), ours, {"f": served}, time.monotonic() + final)
+        try:
+            remote.call("g", [np.ones(7)], wall.Returns((SHAPE,)))
+        except Failure as failure:
+            return failure.status, failure.message
+        assert wall.receive(theirs)[0] == "call"
+        return wall.receive(theirs)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps the limit of the address space")
+def test_a_request_for_three_gigabytes_fails_for_the_student_alone():
+    wide, tall = (wall.ARRAY, np.zeros((1, 20_000))), (wall.ARRAY, np.zeros((20_000, 1)))
+    kind, message = said_to_student(wall.pack_call(0, [wide, tall]), np.add)
+    assert kind == "raise" and "MemoryError" in message
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no interval timer")
+def test_a_request_that_never_ends_ends_with_the_submission():
+    def march(sdf, steps):
+        for _ in range(steps):
+            sdf(np.ones((1, 3)))
+
+    call = wall.pack_call(0, [(wall.SERVED, 1), (wall.INTEGER, 2**62)])
+    begun = time.monotonic()
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        theirs.sendall(call)
+        remote = Remote(Box(), ours, {"march": march, "sdf": lambda p: p[:, 0]}, time.monotonic() + 0.5)
+        with pytest.raises(Failure) as said:
+            remote.call("f", [np.ones(7)], wall.Returns((SHAPE,)))
+    assert said.value.status == "timeout" and time.monotonic() - begun < 2
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def test_an_answer_that_cannot_be_sent_is_told_to_the_student_alone():
+    kind, _ = said_to_student(wall.pack_call(0, [(wall.ABSENT, None)]), lambda _: lambda: None)
+    assert kind == "raise"
+
+
+def test_handles_reach_only_functions_that_are_served():
+    for number in (-1, 1, 2**62):
+        kind, message = said_to_student(
+            wall.pack_call(0, [(wall.SERVED, number)]), lambda f: f(np.ones((1, 3)))
+        )
+        assert (kind, message) == ("raise", "ValueError: no such function")
+
+
+def test_more_calls_than_any_task_needs_are_a_timeout(monkeypatch):
+    monkeypatch.setattr("autograder.student.MAX_SERVED_CALLS", 20)
+    assert judged(20 * CALL + VALUE) == "value"
+    assert judged(21 * CALL + VALUE) == "timeout"
+
+
+def test_an_error_in_a_function_of_the_students_ends_the_call_with_its_text():
+    assert (
+        judged(wall.pack_call(0, [(wall.LOCAL, 0)]) + ERROR, served=lambda f: f(np.ones((2, 3)))) == "error"
+    )
+
+
+@pytest.mark.parametrize("count", [0, 2, 65535])
+def test_a_value_of_another_count_is_a_crash(count):
+    assert judged(wall.HEADER.pack(wall.VALUE, 0, count, 0) + bytes(56 * max(min(count, 9), 1))) == "crashed"
+
+
+@pytest.mark.parametrize(
+    ("result", "words"),
+    [
+        (np.ones(6), "an array of numbers of shape (6,), not an array of shape (7,)"),
+        (np.ones(7, complex), "complex numbers"),
+        ([[1.0], [1.0, 2.0]], "ragged"),
+        ("text", "type str"),
+        (None, "type NoneType"),
+        (np.array([None] * 7), "type ndarray"),
+    ],
+)
+def test_a_result_of_another_shape_or_kind_is_described(result, words):
+    with pytest.raises(wall.WrongShape, match=re.escape(words)):
+        wall.as_promised(result, wall.Returns((SHAPE,)))
