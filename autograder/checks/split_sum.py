@@ -4,12 +4,22 @@ import numpy as np
 
 from autograder.checks import Assignment, Function, Measure, field_of, like
 from autograder.checks import reflection_truth as truth
+from autograder.checks.reflection_inputs import (
+    PIXELS,
+    above,
+    image,
+    logarithmic,
+    near_the_mirror,
+    sky,
+    sphere,
+    tilted,
+)
 from autograder.student import Failure
 from autograder.wall import Returns
-from framework.arrays import dot, normalize, orthonormal_frame
+from framework.arrays import dot, normalize
 
 assignment = Assignment("split_sum")
-PIXELS, SEEDS, SAMPLES = 40, 32, 64
+SEEDS, SAMPLES = 32, 64
 
 
 @assignment.task("4.1", Function("fresnel_schlick", field_of()), Function("r0_from_ior", field_of()))
@@ -43,7 +53,9 @@ def _r0_from_ior(trial):
 @assignment.task("4.2", Function("ndf_beckmann", field_of()), Function("ndf_ggx", field_of()))
 def ndf(trial):
     """How many microfacets face a direction: a density per steradian that, seen from above, covers the surface once."""
-    yield from _parts(trial, {name: (lambda t, n=name: _density(t, n), 4.5) for name in ("ndf_beckmann", "ndf_ggx")})
+    yield from _parts(
+        trial, {name: (lambda t, n=name: _density(t, n), 4.5) for name in ("ndf_beckmann", "ndf_ggx")}
+    )
 
 
 def _density(trial, name):
@@ -58,7 +70,7 @@ def _density(trial, name):
         ("values", 0.1, 1.0, 2.0, "the density at a tilt, for widths alpha from 0.1 to 1"),
         ("narrow lobes", 1e-4, 0.1, 0.75, "the density of narrow lobes: alpha from 1e-4 to 0.1"),
     ):
-        alpha, x = _logarithmic(trial.rng, low, high, 200), trial.rng.uniform(0, 2, 200)
+        alpha, x = logarithmic(trial.rng, low, high, 200), trial.rng.uniform(0, 2, 200)
         x[:10] = 0
         cosine = 1 / np.sqrt(1 + (alpha * x) ** 2)
         error = np.abs(trial.call(cosine, alpha, name=name) / right(alpha * x, alpha) - 1)
@@ -86,10 +98,10 @@ def masking_shadowing(trial):
     got = trial.call(i, o, alpha)
     yield trial.close("values", got, truth.smith(i, o, alpha), share=2.0,
                       message="1 / (1 + Lambda(i) + Lambda(o)): heights are correlated")  # fmt: skip
-    narrow = _logarithmic(trial.rng, 1e-4, 0.1, 300)
+    narrow = logarithmic(trial.rng, 1e-4, 0.1, 300)
     yield trial.close("narrow lobes", trial.call(i, o, narrow), truth.smith(i, o, narrow), share=0.5, property=True,
                       message="smooth surfaces hide little of themselves: alpha from 1e-4 to 0.1")  # fmt: skip
-    low = _logarithmic(trial.rng, 1e-3, 0.1, 300)
+    low = logarithmic(trial.rng, 1e-3, 0.1, 300)
     want = truth.smith(low, o, alpha)
     yield trial.close("grazing", trial.call(low, o, alpha), want, scale=want,
                       message="towards the horizon it falls to 0 with the cosine")  # fmt: skip
@@ -111,28 +123,28 @@ def masking_shadowing(trial):
 def microfacet_brdf(trial):
     """How a rough mirror turns light of one direction into another: F G D / (4 n.i n.o)."""
     rng = trial.rng
-    normal, view = _sphere()
-    lamp = _one(normalize(rng.uniform(-0.7, 0.7, 3) + [0, 0.3, 1]))
+    normal, view = sphere()
+    lamp = normalize(rng.uniform(-0.7, 0.7, 3) + [0, 0.3, 1])
     lit = np.maximum(dot(normal, lamp), 0)[:, None]
-    above, want = lit[:, 0] > 0, np.zeros(normal.shape)
+    facing, want = lit[:, 0] > 0, np.zeros(normal.shape)
     r0 = np.array([0.9, 0.6, 0.3])
     got = trial.call(normal, view, lamp, r0, 0.25)
-    want[above] = truth.brdf(normal[above], view[above], lamp, r0, 0.25)
-    trial.show(_image(got * lit), _image(want * lit), "color", "a ball of rough gold under one lamp")
+    want[facing] = truth.brdf(normal[facing], view[facing], lamp, r0, 0.25)
+    trial.show(image(got * lit), image(want * lit), "color", "a ball of rough gold under one lamp")
 
-    normal, view, light = _above(rng, 300)
+    normal, view, light = above(rng, 300)
     r0, alpha = rng.uniform(0.02, 0.9, (300, 3)), rng.uniform(0.15, 1, 300)
     got, want = trial.call(normal, view, light, r0, alpha), truth.brdf(normal, view, light, r0, alpha)
     yield trial.close("values", got, want, scale=want, share=2.0,
                       message="Fresnel at the angle to the half vector, times G D / (4 n.i n.o)")  # fmt: skip
-    narrow = _logarithmic(rng, 1e-4, 0.05, 300)
-    light = _near_the_mirror(rng, normal, view, narrow)
+    narrow = logarithmic(rng, 1e-4, 0.05, 300)
+    light = near_the_mirror(rng, normal, view, narrow)
     keep = dot(normal, light) > 0.02
     some = [a[keep] for a in (normal, view, light, r0, narrow)]
     want = truth.brdf(*some)
     yield trial.close("narrow lobes", trial.call(*some), want, scale=want, share=0.5,
                       message="alpha from 1e-4 to 0.05, near the mirror direction")  # fmt: skip
-    normal, view, light = _above(rng, 100)
+    normal, view, light = above(rng, 100)
     one, other = trial.call(normal, view, light, 0.3, 0.4), trial.call(normal, light, view, 0.3, 0.4)
     yield trial.close("reciprocal", one, other, scale=np.maximum(np.abs(one), 1e-6), share=0.5, property=True,
                       message="light and view may be exchanged")  # fmt: skip
@@ -151,13 +163,18 @@ def microfacet_brdf(trial):
         for pair in ((up, across), (across, up), (across, across)):
             yield trial.close("below", trial.call(up, *pair, 0.3, 0.4), 0.0)
 
-    yield trial.survives("horizon", below, share=0.5, message="0 where view or light is at or below the horizon.")
-    some = normal[:5], view[:5]
-    light = normalize(some[0].sum(axis=0) * 0 + normal[0] + 0.3 * view[0])
+    yield trial.survives(
+        "horizon", below, share=0.5, message="0 where view or light is at or below the horizon."
+    )
+    light = normalize(normal[0] + 0.3 * view[0])
 
     def shapes():
         facing = np.tile(normal[0], (5, 1)), np.tile(view[0], (5, 1))
-        for r0, alpha in ((0.3, 0.4), (np.array([0.1, 0.2, 0.3]), np.full(5, 0.4)), (np.full((5, 3), 0.2), 0.4)):
+        for r0, alpha in (
+            (0.3, 0.4),
+            (np.array([0.1, 0.2, 0.3]), np.full(5, 0.4)),
+            (np.full((5, 3), 0.2), 0.4),
+        ):
             want = truth.brdf(*facing, light, r0, np.asarray(alpha))
             yield trial.close("values", trial.call(*facing, light, r0, alpha), want, scale=want)
         trial.call(np.zeros((0, 3)), np.zeros((0, 3)), light, 0.3, 0.4)
@@ -169,9 +186,9 @@ def microfacet_brdf(trial):
 @assignment.task("4.5", Function("monte_carlo_shade", like(1, 3)))
 def monte_carlo_shade(trial):
     """All the light of a sky that a rough mirror sends to the viewer: noisy, but right on average."""
-    rng, env = trial.rng, _sky(trial.rng)
-    normal, view, _ = _above(rng, 10)
-    view = _tilted(rng, normal, np.tile([0.3, 0.45, 0.6, 0.75, 0.95], 2))
+    rng, env = trial.rng, sky(trial.rng)
+    normal, view, _ = above(rng, 10)
+    view = tilted(rng, normal, np.tile([0.3, 0.45, 0.6, 0.75, 0.95], 2))
     r0, alpha = rng.uniform(0.04, 0.9, (10, 3)), np.repeat([0.9, 0.4], 5)
     mean, variance = truth.reflected(env, normal, view, r0, alpha)
     seeds = rng.integers(2**32, size=SEEDS)
@@ -189,7 +206,9 @@ def monte_carlo_shade(trial):
                       message="the same generator gives the same answer: draw from rng alone")  # fmt: skip
 
     def below():
-        yield trial.close("below", trial.call(env, normal, -view, r0, alpha, 8, np.random.default_rng(1)), 0.0)
+        yield trial.close(
+            "below", trial.call(env, normal, -view, r0, alpha, 8, np.random.default_rng(1)), 0.0
+        )
         up, across = np.array([[0.0, 1, 0]]), np.array([[1.0, 0, 0]])
         yield trial.close("below", trial.call(env, up, across, 0.5, 0.3, 8, np.random.default_rng(1)), 0.0)
 
@@ -203,13 +222,17 @@ def monte_carlo_shade(trial):
 
     yield trial.survives("any shape", shapes, share=0.25, message=(
         "r0 may be a number, (3,) or (N, 3), alpha a number down to 1e-4 or (N,), and N may be 0."))  # fmt: skip
-    normal, view = _sphere(20)
+    normal, view = sphere(20)
     r0, alpha = np.tile([0.9, 0.6, 0.3], (len(normal), 1)), np.full(len(normal), 0.4)
     got = trial.call(env, normal, view, r0, alpha, SAMPLES, np.random.default_rng(seeds[1]))
     want, variance = truth.reflected(env, normal, view, r0, alpha, 16, 32)
-    trial.show(_image(got, 20), _image(want, 20), "color", f"a ball of rough gold under a sky, {SAMPLES} samples")
+    trial.show(
+        image(got, 20), image(want, 20), "color", f"a ball of rough gold under a sky, {SAMPLES} samples"
+    )
     off = np.sqrt(np.mean((got - want) ** 2) / np.mean(variance / SAMPLES))
-    yield trial.at_most("picture", off, share=0.25, property=True, message="the picture is wrong by more than noise")
+    yield trial.at_most(
+        "picture", off, share=0.25, property=True, message="the picture is wrong by more than noise"
+    )
 
 
 @assignment.task("4.6", Function("brdf_lut", lambda size, *_: Returns(((size, size, 2),))))
@@ -221,7 +244,9 @@ def brdf_lut(trial):
                "scale in red, bias in green; the cosine to the right, the roughness down")  # fmt: skip
     for channel, name in enumerate(("scale", "bias")):
         error = np.sqrt(np.mean((got[..., channel] - want[..., channel]) ** 2))
-        yield trial.at_most(name, error, share=1.5, message=f"the {name} on average over the table, with 256 samples")
+        yield trial.at_most(
+            name, error, share=1.5, message=f"the {name} on average over the table, with 256 samples"
+        )
     corner = np.ix_([0, -1], [0, -1])
     yield trial.close("corners", got[corner], want[corner], share=0.5, property=True,
                       message="smooth and rough, from above and at grazing angles")  # fmt: skip
@@ -239,7 +264,11 @@ def brdf_lut(trial):
                          message=f"sizes {small} and 1, cell centres at (i + 0.5) / size.")  # fmt: skip
 
 
-@assignment.task("4.7", Function("sample_lut", lambda lut, *at: Returns((np.broadcast_shapes(*map(np.shape, at)) + (2,),))))  # fmt: skip
+def _entries(lut, cos_theta, roughness):
+    return Returns((np.broadcast_shapes(np.shape(cos_theta), np.shape(roughness)) + (2,),))
+
+
+@assignment.task("4.7", Function("sample_lut", _entries))
 def sample_lut(trial):
     """The table between its entries: bilinear, and level beyond the outermost centres."""
     rng = trial.rng
@@ -283,7 +312,7 @@ def sample_lut(trial):
 def shade_split_sum(trial):
     """The whole light of a sky in two look-ups: the filtered sky in the mirror direction, times r0 scale + bias."""
     rng = trial.rng
-    lut = truth.table(8, 24)
+    lut = truth.table(8)
     turn = normalize(rng.normal(size=(3, 3)))
 
     def prefiltered(direction, roughness):
@@ -296,17 +325,17 @@ def shade_split_sum(trial):
         scale, bias = np.moveaxis(truth.bilinear(lut, cosine, roughness), -1, 0)[..., None]
         return prefiltered(2 * cosine[:, None] * normal - view, roughness) * (r0 * scale + bias)
 
-    normal, view = _sphere()
+    normal, view = sphere()
     ball = normal, view, np.array([0.9, 0.6, 0.3]), np.full(len(normal), 0.3)
     got = trial.call(*ball, prefiltered, lut)
-    trial.show(_image(got), _image(right(*ball, lut)), "color", "a ball of rough gold under a filtered sky")
+    trial.show(image(got), image(right(*ball, lut)), "color", "a ball of rough gold under a filtered sky")
     noise = rng.uniform(0, 1, (8, 8, 2))
     for name, low, high, share, message in (
         ("values", 0.3, 1.0, 1.5, "prefiltered(mirror direction, roughness) * (r0 * scale + bias)"),
         ("grazing", 0.02, 0.3, 1.0, "r0 is that of normal incidence: Fresnel is in the table already"),
     ):
-        normal = _above(rng, 200)[0]
-        view = _tilted(rng, normal, rng.uniform(low, high, 200))
+        normal = above(rng, 200)[0]
+        view = tilted(rng, normal, rng.uniform(low, high, 200))
         some = normal, view, rng.uniform(0.02, 0.9, (200, 3)), rng.uniform(0, 1, 200)
         got = [trial.call(*some, prefiltered, t) for t in (lut, noise)]
         want = np.array([right(*some, t) for t in (lut, noise)])
@@ -353,67 +382,17 @@ def _any_shape(trial, record, ranges, name=None, share=0.5):
 
     def cases():
         for shape in shapes:
-            at = [trial.rng.uniform(*ends, shape) if shape else float(trial.rng.uniform(*ends)) for ends in ranges]
+            at = [
+                trial.rng.uniform(*ends, shape) if shape else float(trial.rng.uniform(*ends))
+                for ends in ranges
+            ]
             yield trial.close(record, *trial.both(*at, name=name))
-            at[-1] = float(trial.rng.uniform(*ranges[-1])) if shape != (3, 1) else trial.rng.uniform(*ranges[-1], 4)
+            at[-1] = (
+                float(trial.rng.uniform(*ranges[-1]))
+                if shape != (3, 1)
+                else trial.rng.uniform(*ranges[-1], 4)
+            )
             yield trial.close(record, *trial.both(*at, name=name))
 
     return trial.survives(f"{name or trial.task.name}: any shape", cases, share=share,
                           message="arguments may be numbers, or arrays of any shapes that broadcast.")  # fmt: skip
-
-
-def _logarithmic(rng, low, high, count):
-    return np.exp(rng.uniform(np.log(low), np.log(high), count))
-
-
-def _one(v):
-    return np.asarray(v, float).reshape(3)
-
-
-def _tilted(rng, normal, cosine):
-    """Unit vectors at these cosines to the normals, in random directions around them."""
-    x, y = orthonormal_frame(normal)
-    phi = rng.uniform(0, 2 * np.pi, len(normal))[:, None]
-    cosine = np.asarray(cosine, float)[:, None]
-    return cosine * normal + np.sqrt(1 - cosine**2) * (np.cos(phi) * x + np.sin(phi) * y)
-
-
-def _above(rng, count):
-    """Normals, and two directions above the horizon of each."""
-    normal = normalize(rng.normal(size=(count, 3)))
-    return normal, *(_tilted(rng, normal, rng.uniform(0.05, 0.98, count)) for _ in range(2))
-
-
-def _near_the_mirror(rng, normal, view, alpha):
-    """Lights whose half vectors are tilted by up to two widths."""
-    tan = alpha * rng.uniform(0.2, 2, len(alpha))
-    half = _tilted(rng, normal, 1 / np.sqrt(1 + tan**2))
-    return normalize(2 * dot(view, half)[:, None] * half - view)
-
-
-def _sky(rng):
-    """A smooth map of 16 rows: pixels and what is between them give the same integrals within 1 %."""
-    from framework.environment import Environment, pixel_directions
-
-    towards = normalize(rng.normal(size=(3, 3)))
-    shine = np.exp(3 * (pixel_directions(16) @ towards.T - 1))
-    return Environment(0.1 + shine @ rng.uniform(0.2, 2, (3, 3)))
-
-
-def _disc(pixels):
-    x, y = np.meshgrid(*2 * [(np.arange(pixels) + 0.5) / pixels * 2 - 1])
-    return x, -y, x**2 + y**2 < 0.98
-
-
-def _sphere(pixels=PIXELS):
-    """Normals and views of a ball that fills a square picture, seen from far away."""
-    x, y, mask = _disc(pixels)
-    x, y = x[mask], y[mask]
-    normal = np.stack([x, y, np.sqrt(1 - x**2 - y**2)], axis=1)
-    return normal, np.tile([0.0, 0.0, 1.0], (len(normal), 1))
-
-
-def _image(color, pixels=PIXELS):
-    picture, mask = np.zeros((pixels, pixels, 3)), _disc(pixels)[2]
-    picture[mask] = color
-    return picture
