@@ -21,6 +21,7 @@ from solutions.split_sum import (
     shade_split_sum,
 )
 from solutions.truth import brdf_integral, reflected_radiance
+from solutions.truth_maps import sphere_grid
 
 
 def units(seed, count):
@@ -82,6 +83,16 @@ def test_the_brdf_is_reciprocal_and_dark_below_the_horizon():
     assert (f > 0).all()
     for view, light in ((-v, l), (v, -l), (v, -v)):
         assert_array_equal(microfacet_brdf(n, view, light, 0.04, 0.2), 0.0)
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.9])
+def test_the_brdf_reflects_under_a_white_sky_what_quadrature_says(mu):
+    l, solid_angle = sphere_grid(256)
+    n, v, r0 = np.array([0, 1.0, 0]), np.array([np.sqrt(1 - mu * mu), mu, 0]), np.array([0.0, 0.5, 1.0])
+    f = microfacet_brdf(n, v, l, r0, 0.25)
+    scale, bias = brdf_integral(mu, 0.25)
+    reflected = np.einsum("hwk,hw->k", f, np.maximum(l[..., 1], 0) * solid_angle)
+    assert_allclose(reflected, r0 * scale + bias, rtol=1e-3)
 
 
 def test_the_brdf_takes_every_shape_that_it_promises():
@@ -148,6 +159,16 @@ def test_monte_carlo_is_unbiased_at_64_random_set_ups():
     z = z_scores(clamped_sky(), 64, 256, 512)
     assert np.abs(z).max() < 4.5
     assert 0.7 < (z**2).mean() < 1.4
+
+
+@pytest.mark.parametrize(("mu", "alpha"), [(0.05, 1.0), (0.3, 0.5), (0.8, 0.02), (1.0, 1.0)])
+def test_monte_carlo_under_a_white_sky_is_the_brdf_integral(mu, alpha):
+    n, v = np.array([0, 0, 1.0]), np.array([np.sqrt(1 - mu * mu), 0, mu])
+    env, r0 = fw.skies.constant(4), np.array([0.0, 0.5, 1.0])
+    found = monte_carlo_shade(env, n, v, r0, alpha, 400_000, np.random.default_rng(1))
+    scale, bias = brdf_integral(mu, alpha)
+    # No weight exceeds 1: the standard error is below 0.5 / sqrt(400 000).
+    assert_allclose(found, r0 * scale + bias, atol=4.5 * 0.5 / np.sqrt(400_000))
 
 
 def test_monte_carlo_depends_on_nothing_but_its_generator():
