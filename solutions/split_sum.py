@@ -69,7 +69,7 @@ import framework as fw
 # A cosine that is larger than 1 by a rounding error must not do harm: clip it.
 
 
-# %% nbgrader={"grade_id": "fresnel", "solution": true}
+# %% nbgrader={"grade_id": "fresnel_schlick", "solution": true}
 def fresnel_schlick(r0, cos_theta):
     """Reflectance at an angle, from the reflectance at normal incidence.
 
@@ -140,7 +140,7 @@ def r0_from_ior(n1, n2):
 # nothing is lost.
 
 
-# %% nbgrader={"grade_id": "ndf", "solution": true}
+# %% nbgrader={"grade_id": "ndf_beckmann", "solution": true}
 def ndf_beckmann(cos_h, alpha):
     """Density of microfacet normals per steradian: a Gaussian of slopes.
 
