@@ -239,13 +239,13 @@ def monte_carlo_shade(trial):
 def brdf_lut(trial):
     """The second half of the split sum: what a white sky gives, as scale and bias of r0, over roughness and cosine."""
     size = 16 + int(trial.rng.integers(3))
-    want, got = truth.table(size), trial.call(size, 256)
+    want, got = truth.table(size), trial.call(size, 2048)
     trial.show(*(np.concatenate([t, 0 * t[..., :1]], axis=-1) for t in (got, want)), "color",
                "scale in red, bias in green; the cosine to the right, the roughness down")  # fmt: skip
     for channel, name in enumerate(("scale", "bias")):
         error = np.sqrt(np.mean((got[..., channel] - want[..., channel]) ** 2))
         yield trial.at_most(
-            name, error, share=1.5, message=f"the {name} on average over the table, with 256 samples"
+            name, error, share=1.5, message=f"the {name} on average over the table, with 2048 samples"
         )
     corner = np.ix_([0, -1], [0, -1])
     yield trial.close("corners", got[corner], want[corner], share=0.5, property=True,
@@ -256,7 +256,7 @@ def brdf_lut(trial):
     small = int(trial.rng.integers(4, 8))
 
     def sizes():
-        for n, samples in ((small, 1024), (1, 256)):
+        for n, samples in ((small, 2048), (1, 2048)):
             error = trial.call(n, samples) - truth.table(n)
             yield trial.at_most("other sizes", np.sqrt(np.mean(error**2)))
 
