@@ -264,8 +264,8 @@ def _graded(trial, name, got, want):
     else:
         credit = max(1 - error / (2 * half), 0.0)
     message = (
-        f"rays to the whole light tell it apart; half marks at {half:.2g}, where one is without signed distances, "
-        f"none from {2 * half:.2g}, and up to the half each halving of the error is worth the same"
+        f"compared with rays to all of the light; half marks at {half:.2g}, which is the form without signed "
+        f"distances, none from {2 * half:.2g}, and up to half marks each halving of the error is worth the same"
     )
     return trial.at_most(name, error, credit=float(credit), message=message)
 
