@@ -37,13 +37,13 @@ class Round:
     def earnings(self):
         """For each measure: itself, its part of this round's points, and what of it is earned.
 
-        Properties count as far as the values are right; the work is a fixed part, which counts once all else passes.
+        Properties count as far as the values are right; the work is a fixed part, which counts once the values pass.
         """
         rest = [m for m in self.measures if not m.work]
         total = sum(m.share for m in rest) or 1.0
         values = [m for m in rest if not m.property]
         right = sum(m.share * m.credit for m in values) / (sum(m.share for m in values) or 1.0)
-        passed, works = all(m.credit == 1 for m in rest), len(rest) < len(self.measures)
+        passed, works = all(m.credit == 1 for m in values), len(rest) < len(self.measures)
         result = []
         for m in self.measures:
             part = WORK_SHARE if m.work else m.share / total * (1 - WORK_SHARE * works)
@@ -207,8 +207,8 @@ def _remark(entry):
     """What a measure asks for; of one that is met and yet earns less, why."""
     if entry["missed"] or entry["earned"] >= entry["share"] - 1e-9:
         return entry["measure"].message
-    other = "all else is right" if entry["measure"].work else "the values are right"
-    return f"within its limit; it counts as far as {other}"
+    when = "once" if entry["measure"].work else "as far as"
+    return f"within its limit; it counts {when} the values are right"
 
 
 def _over(measure):

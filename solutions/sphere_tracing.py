@@ -221,7 +221,7 @@ def blend(d1, d2, t):
     Parameters
     ----------
     d1, d2 : (...) float       distances to the two shapes
-    t : float                  in [0, 1]
+    t : (...) float            in [0, 1]
 
     Returns
     -------

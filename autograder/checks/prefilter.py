@@ -18,10 +18,10 @@ def _map(height):
 def sample_ggx(trial):
     """Half vectors about +z that are distributed like the normals of GGX, seen from straight above."""
     count, wide = 20_000, trial.rng.uniform(0.25, 0.5)
-    tilt, azimuth, image = [], [], None
+    tilt, azimuth, images = [], [], []
     for alpha in (wide, 1.0, trial.rng.uniform(0.02, 0.1), 1e-4):
         half = trial.call(trial.rng.random((count, 2)), alpha)
-        image = _histogram(half) if image is None else image
+        images = images or [_histogram(half)]
         tilt.append(_share_within(half, alpha))
         azimuth.append(np.arctan2(half[:, 1], half[:, 0]) / (2 * np.pi) % 1.0)
         if alpha == 1.0:
@@ -29,7 +29,7 @@ def sample_ggx(trial):
                               message="a half vector has length 1")  # fmt: skip
             yield trial.at_most("upper half", float(np.mean(half[:, 2] < -1e-6)), share=0.5, property=True,
                                 message="no half vector points below the surface: z >= 0")  # fmt: skip
-    trial.show(image, _expected_histogram(image.shape, wide, count), "scalar",
+    trial.show(images[0], _expected_histogram(images[0].shape, wide, count), "scalar",
                f"how many of {count} half vectors fall where: tilt downwards from +z to the horizon, "
                f"azimuth across; alpha = {wide:.2f}")  # fmt: skip
     names = ("tilt", "tilt at alpha = 1", "tilt in a narrow lobe", "tilt at alpha = 1e-4")
