@@ -18,7 +18,8 @@ def _map(height):
 def sample_ggx(trial):
     """Half vectors about +z that are distributed like the normals of GGX, seen from straight above."""
     count, wide = 20_000, trial.rng.uniform(0.25, 0.5)
-    tilt, azimuth, images = [], [], []
+    tilt, azimuth = [], []
+    images: list[np.ndarray] = []
     for alpha in (wide, 1.0, trial.rng.uniform(0.02, 0.1), 1e-4):
         half = trial.call(trial.rng.random((count, 2)), alpha)
         images = images or [_histogram(half)]
