@@ -103,7 +103,8 @@ def ground(rng, count, extent=2.8):
     return np.insert(rng.uniform(-extent, extent, (count, 2)), 1, 0.0, axis=1)
 
 
-def floor_from_above(extent=2.4):
+def floor_from_above(light, extent=2.0):
+    """The pixels of a picture of the floor, about the place where shadows fall."""
     side = extent * ((2 * np.arange(PIXELS) + 1) / PIXELS - 1)
     x, z = np.meshgrid(side, side)
-    return np.stack([x, 0 * x, z], axis=-1).reshape(-1, 3)
+    return np.stack([x, 0 * x, z], axis=-1).reshape(-1, 3) - [0.8, 0, 0.8] * light / light[1]

@@ -115,6 +115,7 @@ def needs_shadow_ray(trial):
         to_light = cosine[:, None] * normal + np.sqrt(1 - cosine**2)[:, None] * np.eye(3)[axis - 1]
         yield _decided(trial, name, normal, to_light, cosine > 0, property=True, message=message)
     size, light = 48, light_above(trial.rng)
+    light[2] = abs(light[2])
     x, y = np.meshgrid(*2 * [(2 * np.arange(size) + 1) / size - 1])
     inside = x * x + y * y < 1
     ball = np.stack([x, -y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)[inside]
@@ -166,7 +167,7 @@ def soft_shadow(trial):
 
     yield trial.survives("a light each", a_light_each, share=0.4,
                          message="to_light may be (N, 3), a light for each point, and there may be no point.")  # fmt: skip
-    origin = floor_from_above()
+    origin = floor_from_above(light)
     blocked, grown = (scene.stops(origin, light[None], margin)[:, 0] for margin in (-0.01, 0.01))
     sure = np.flatnonzero(blocked == grown)[::3]
     hard = trial.call(Counted(scene), origin[sure], light, 1e7, *MARCH)
@@ -233,7 +234,7 @@ def area_light_shadow(trial):
         got = trial.call(Counted(field), origin, light, radius, *MARCH)
         yield _graded(trial, name, got, field.visible(origin, light, radius))
     scene, light, radius = Scene.ball_and_box(trial.rng), light_above(trial.rng), np.arcsin(1 / 5)
-    origin = floor_from_above()
+    origin = floor_from_above(light)
     got = trial.call(Counted(scene), origin, light, radius, *MARCH)
     want = scene.visible(origin, light, radius, 512)
     trial.show(*(v.reshape(PIXELS, PIXELS) for v in (got, want)), "scalar",
