@@ -15,7 +15,7 @@ from pathlib import Path
 import framework
 
 ROOT = Path(__file__).resolve().parents[1]
-ASSIGNMENTS = ("sphere_tracing", "soft_shadows", "prefilter", "split_sum")
+ASSIGNMENTS = ("sphere_tracing", "soft_shadows", "prefilter", "split_sum", "environment_shadows")
 
 
 def release(assignments=None, into="assignments"):
