@@ -319,9 +319,9 @@ def costly_soft_shadow_clamped(sdf, origin, to_light, k, t_min, t_max, max_steps
 
 
 def costly_soft_shadow_clamped_less(sdf, origin, to_light, k, t_min, t_max, max_steps):
-    """Steps from 0.01 to 0.5."""
+    """Steps from 0.01 to 0.3."""
     return _march(
-        sdf, origin, to_light, t_min, t_max, max_steps, _ratio(k), lambda h, t: np.clip(h, 0.01, 0.5)
+        sdf, origin, to_light, t_min, t_max, max_steps, _ratio(k), lambda h, t: np.clip(h, 0.01, 0.3)
     )
 
 
@@ -628,6 +628,6 @@ def wrong_area_light_shadow_inverted(sdf, origin, to_light, angular_radius, t_mi
 
 
 def wrong_area_light_shadow_wide_steps(sdf, origin, to_light, angular_radius, t_min, t_max, max_steps):
-    """Least steps of a quarter of the way."""
-    step = lambda h, t: np.maximum(np.abs(h), 0.25 * t)  # noqa: E731
+    """Least steps of half of the way."""
+    step = lambda h, t: np.maximum(np.abs(h), 0.5 * t)  # noqa: E731
     return _through(sdf, origin, to_light, angular_radius, t_min, t_max, max_steps, step)
