@@ -9,10 +9,10 @@ demo: .venv/ready
 	@$(BIN)/python -m autograder.demo --out out/demo
 
 test: .venv/ready
-	$(BIN)/python -m pytest -m "not drill"
+	$(BIN)/python -m pytest -n auto -m "not drill"
 
 drill: .venv/ready
-	$(BIN)/python -m pytest -m drill
+	$(BIN)/python -m pytest -n auto -m drill
 
 .venv/ready: requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv

@@ -436,7 +436,7 @@ def shade_with_shadows(light, sdf, p, normal, view, r0, roughness, albedo, t_max
 #         free[marching[distance < 2e-3]] = False
 #         t[marching] += distance
 #         marching = marching[(distance >= 2e-3) & (t[marching] < t_max)]
-#         if marching.size == 0:
+#         if not len(marching):
 #             break
 #     return free
 #

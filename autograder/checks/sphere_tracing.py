@@ -153,7 +153,7 @@ def sphere_trace(trial):
 
     for name, (message, situations) in _situations().items():
         wrong = max(_wrong(trial, **situation) for situation in situations)
-        yield trial.at_most(name, wrong, share=0.25, property=True, message=message)
+        yield trial.at_most(name, wrong, share=0.4, property=True, message=message)
 
     yield trial.at_most("hits and misses", float(np.mean(hit != found)), share=1.5,
                         message="some rays that should hit miss, or the other way round")  # fmt: skip
