@@ -60,6 +60,14 @@ def _parser():
     _add_limits(grade)
     grade.set_defaults(run=_grade)
 
+    export = commands.add_parser("export", help="write graded results in another tool's format")
+    export.add_argument("graded", metavar="DIR", type=Path, help="what `course grade --out DIR` has written")
+    export.add_argument("--format", required=True, choices=("gradescope", "prairielearn", "csv"),
+                        help="gradescope, prairielearn: a results.json for each submission, and for Gradescope the zip "
+                        "to upload as autograder; csv: one table with a line for each task")  # fmt: skip
+    export.add_argument("--out", metavar="DIR", type=Path, help="where to write (default: DIR/export/FORMAT)")
+    export.set_defaults(run=_export)
+
     release = commands.add_parser("release", help="rebuild assignments/ from solutions/")
     release.add_argument("assignments", nargs="*", metavar="ASSIGNMENT", help="by default all")
     release.set_defaults(run=_release)
@@ -181,6 +189,21 @@ def _grade(options):
     print(f"{len(units)} submissions: {counts}" + (f"; {kept} were done already" if kept else ""))
     print(f"open {options.out / 'index.html'}")
     return 0
+
+
+def _export(options):
+    from autograder import export, gradescope
+
+    if not (options.graded / "results").is_dir():
+        raise _Usage(f"{options.graded} holds no results/; the folder given to `course grade --out` is wanted")
+    out = options.out or options.graded / "export" / options.format
+    count, problems = export.export(options.graded, options.format, out)
+    if options.format == "gradescope":
+        gradescope.package(out / "autograder.zip")
+    for problem in problems:
+        print(f"course: left out, unreadable: {problem}", file=sys.stderr)
+    print(f"{count} results in {out}")
+    return 1 if problems else 0
 
 
 def _release(options):

@@ -46,7 +46,7 @@ def write_page(result, json_path, out):
     view.embed_pictures(submission["checks"], json_path.parent, out / "pages")
     page = out / "pages" / json_path.parent.name / f"{json_path.stem}.html"
     template = _templates().get_template("page.html")
-    _write_whole(page, template.generate(**submission, style=_style("base.css", "page.css")))
+    write_whole(page, template.generate(**submission, style=_style("base.css", "page.css")))
     return page
 
 
@@ -73,7 +73,7 @@ def write_index(out):
             script={"text": script, "hash": _csp_hash(script)},
             style=_style("base.css", "index.css"),
         )
-        _write_whole(out / "index.html", chunks)
+        write_whole(out / "index.html", chunks)
 
 
 def write_grades(out):
@@ -81,16 +81,20 @@ def write_grades(out):
     rows = []
     for path, result, _ in view.results(Path(out)):
         marks = (result["status"], result["score"], result["max_score"]) if result else ("unreadable", "", "")
-        rows.append([_cell(value) for value in (*view.names(path, result), *marks)])
-    header = ["student", "assignment", "status", "score", "max_score"]
-    _write_whole(Path(out) / "grades.csv", map(_line, [header, *sorted(rows)]))
+        rows.append([*view.names(path, result), *marks])
+    write_table(Path(out) / "grades.csv", ["student", "assignment", "status", "score", "max_score"], rows)
+
+
+def write_table(path, header, rows):
+    """Write a table, its rows sorted, in which no value is a formula for a spreadsheet to run."""
+    quoted = [[_cell(value) for value in row] for row in rows]
+    write_whole(path, map(_line, [header, *sorted(quoted)]))
 
 
 def _line(cells):
     line = io.StringIO()
-    csv.writer(line, lineterminator="\r\n").writerow(
-        cells
-    )  # Python 3.11 quotes a bare CR only where lines end so
+    # Python 3.11 quotes a bare CR only where lines end so
+    csv.writer(line, lineterminator="\r\n").writerow(cells)
     return line.getvalue().removesuffix("\r\n") + "\n"
 
 
@@ -202,7 +206,7 @@ def _csp_hash(text):
     return f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'"
 
 
-def _write_whole(path, chunks):
+def write_whole(path, chunks):
     """Write `path` whole or not at all; the temporary name is fixed, so that a run after a kill clears it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_name(f".{path.name}.unfinished")

@@ -189,12 +189,12 @@ def _ratio(value, unit):
     )
 
 
-def embed_pictures(checks, folder, pages):
-    """Put pictures into `checks` as base 64, those of the dearest mistakes first, until the page is full.
+def embed_pictures(checks, folder, pages, room=PICTURE_BYTES):
+    """Put pictures into `checks` as base 64, those of the dearest mistakes first, until their bytes fill `room`.
 
     Paths are relative to `folder`, the result's; only files below `pages` are read.
     """
-    pages, room = pages.resolve(), PICTURE_BYTES
+    pages = pages.resolve()
     for check in sorted(checks, key=_loss, reverse=True):
         for kind, title in PICTURES.items():
             name = check["images"].get(kind)
