@@ -123,6 +123,7 @@ def _check(options):
 
     if not options.notebook.is_file():
         raise _Usage(f"{options.notebook} is not a file")
+    _compile_first()
     try:
         result, judgements = notebook.check_file(options.notebook)
     except submission.Rejected as rejected:
@@ -137,6 +138,14 @@ def _check(options):
         shutil.copyfile(Path(folder) / "pages" / "you" / f"{result['assignment']}.html", page)
     print(f"open {page}")
     return 0
+
+
+def _compile_first():
+    """A task that waits for an answer of the grader's has no time for the grader to compile."""
+    from framework import compiled
+
+    if not compiled.is_complete():
+        compiled.prepare()
 
 
 def _grade(options):
@@ -167,6 +176,7 @@ def _grade(options):
         options.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise _Usage(f"{options.out} cannot be made: {error.strerror}") from None
+    _compile_first()
     limits = sandbox.Limits(**{f.name: getattr(options, f.name) for f in fields(sandbox.Limits)})
     job = batch.Job(str(options.out), level, limits, secret)
     units = discover.find(options.paths, notice=lambda text: print(f"course: {text}", file=sys.stderr))

@@ -8,7 +8,8 @@ import platform
 import shutil
 import sys
 
-STUDENT = ("numpy", "numba", "matplotlib", "pillow", "OpenEXR", "trimesh", "nbformat", "jinja2", "tqdm")
+STUDENT = ("numpy", "numba", "matplotlib", "pillow", "OpenEXR", "trimesh", "nbformat", "jinja2", "tqdm",
+           "platformdirs")  # fmt: skip
 OPTIONAL = {
     "flip-evaluator": "perceptual error maps (no mark depends on them)",
     "jupyterlab": "opening notebooks: pip install jupyterlab",
@@ -45,6 +46,11 @@ def report() -> int:
         _line(None if level == PROCESS else True, "isolation", level, "", always=WORTH[level])
     else:
         _line(None, "isolation", "none", "grading strangers' notebooks needs Linux, for instance WSL 2")
+    from framework import compiled
+
+    done = compiled.is_complete()
+    _line(True if done else None, "compiled code", f"in {compiled.folder()}" if done else "none yet",
+          "the first picture compiles it, in half a minute")  # fmt: skip
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     _line(True if browser else None, "browser", browser or "not found",
           "the tests that look at pages; Debian, Ubuntu: apt-get install chromium")  # fmt: skip

@@ -23,9 +23,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from autograder import wall
+from framework import compiled
 
 ROOT = Path(__file__).resolve().parents[1]
 NAMESPACES_SECCOMP, NAMESPACES, PROCESS = "namespaces+seccomp", "namespaces", "process"
+COMPILED = "/course/compiled"  # the framework's compiled code, read-only; a task that wants it takes a copy
 SCRATCH, SCRATCH_BYTES = "/scratch", 64 << 20  # the one place where a task may write
 STRENGTH = (NAMESPACES_SECCOMP, NAMESPACES, PROCESS)
 
@@ -177,10 +179,12 @@ class Sandbox:
     def _environment(self):
         home = self._home.name if self._home else SCRATCH
         keep = {name: os.environ[name] for name in ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE") if name in os.environ}
+        kernels = str(compiled.folder()) if self.level == PROCESS else COMPILED
         threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
         return keep | threads | {
             "HOME": home, "TMPDIR": home, "MPLCONFIGDIR": home, "NUMBA_CACHE_DIR": home, "MPLBACKEND": "Agg",
-            "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8", "PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1",
+            compiled.COPIED_FROM: kernels, "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8", "PYTHONHASHSEED": "0",
+            "PYTHONDONTWRITEBYTECODE": "1",
         }  # fmt: skip
 
     def _command(self, control, seccomp):
@@ -232,6 +236,8 @@ def _bubblewrap(forbidden):
         if (packages / name).is_dir():
             binds += ["--tmpfs", str(packages / name)]
     binds += ["--ro-bind", str(ROOT / "framework"), "/course/framework"]
+    for folder in compiled.folder().glob("framework_*"):
+        binds += ["--ro-bind", str(folder), f"{COMPILED}/{folder.name}"]
     for module in forbidden:
         binds += ["--ro-bind", "/dev/null", f"/course/framework/{module}.py"]
     for name in ("wall.py", "worker.py", "zygote.py"):

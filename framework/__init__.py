@@ -5,6 +5,8 @@ Everything is loaded when it is first used, so that importing costs little more 
 
 from importlib import import_module
 
+from framework import compiled as compiled  # watches for the first kernel
+
 __version__ = "0.1.0"
 
 _HOME = {

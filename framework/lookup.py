@@ -41,8 +41,15 @@ def lookup(pixels, direction):
     if len(flat) >= (_COMPILED_FROM if "numba" in sys.modules else _LOADED_FROM):
         from framework.lookup_kernel import bilinear
 
-        return bilinear(pixels, flat).reshape(direction.shape)
+        return bilinear(_read_only(pixels), _read_only(flat)).reshape(direction.shape)
     return _bilinear(pixels, flat).reshape(direction.shape)
+
+
+def _read_only(array):
+    """The same array, in the one form that the kernel is compiled for."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
 
 
 def _bilinear(pixels, direction):

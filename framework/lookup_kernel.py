@@ -44,3 +44,10 @@ def bilinear(pixels, direction):
             under = (1 - u) * pixels[below, c, k] + u * pixels[below, d, k]
             value[i, k] = (1 - v) * above + v * under
     return value
+
+
+def warm():
+    """Compile the kernel for the types that `lookup` calls it with."""
+    pixels, direction = np.zeros((1, 2, 3)), np.ones((1, 3))
+    pixels.flags.writeable = direction.flags.writeable = False
+    bilinear(pixels, direction)

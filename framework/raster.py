@@ -10,10 +10,10 @@ from functools import cached_property
 import numba
 import numpy as np
 
-from framework import _raster_grid as grid
-from framework import _raster_kernels as kernels
-from framework._resolve_kernel import resolve
+from framework import raster_grid_kernels as grid
+from framework import raster_kernels as kernels
 from framework.arrays import as_positive
+from framework.resolve_kernel import resolve
 
 # GNU OpenMP, which Numba may run its threads on, reads this when the first parallel kernel starts. Where cores
 # are few, threads that spin while they wait take them from those that work: 57 instead of 20 ms (measured).

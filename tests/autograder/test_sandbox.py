@@ -7,6 +7,7 @@ from autograder import sandbox
 from autograder.grade import grade
 from autograder.samples import filled_notebook
 from autograder.sandbox import Limits, strongest_level
+from framework import compiled
 
 ROOT = sandbox.ROOT
 strong = pytest.mark.skipif(strongest_level() == sandbox.PROCESS, reason="this machine starts no sandbox")
@@ -55,6 +56,9 @@ def first(tmp_path):
         "import os; os.listdir(os.path.expanduser('~root/.ssh'))",
         "open('/course/framework/x', 'w')",
         "open('/usr/x', 'w')",
+        "open('/course/compiled/x', 'w')",
+        "import os; os.mkdir('/course/compiled')",
+        "import glob; open(glob.glob('/course/compiled/*/*')[0], 'r+b')",
         "import os; os.chmod(np.__file__, 0o777)",
         "import ctypes; raise OSError(ctypes.CDLL(None).ptrace(0, 0, 0, 0))",
         "import os; os.memfd_create('x')",
@@ -126,6 +130,13 @@ def test_tasks_see_nothing_of_each_other(first):
     )
     assert check["status"] == "pass"
     assert first.result["checks"][3]["status"] == "pass"
+
+
+@pytest.mark.parametrize("level", [strongest_level(), sandbox.PROCESS])
+def test_a_task_runs_the_framework_from_a_copy_of_the_compiled_code(first, level):
+    compiled.prepare()
+    look = "from framework import lookup_kernel as kernel\n    kernel.warm()\n    if kernel.bilinear.stats.cache_misses:\n"
+    assert first(look + "        raise OSError('it was compiled anew')", level)["status"] == "pass"
 
 
 @strong

@@ -149,3 +149,20 @@ def off_inverse_depth(faces, face, vertices, matrix, origin):
     gx, gy, gw = y1 * w2 - y2 * w1, w1 * x2 - w2 * x1, x1 * y2 - x2 * y1
     scale = 1.0 / (gx * x0 + gy * y0 + gw * w0)
     return gx * scale, gy * scale, gw * scale
+
+
+def one_triangle():
+    """Faces, vertices, matrix and camera as the kernels get them, for a mesh of one triangle that faces the camera."""
+    faces = np.array([[0, 1, 2]], np.int32)
+    vertices = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]])
+    origin = np.zeros(3)
+    for array in (faces, vertices, origin):  # as a mesh's and a camera's are
+        array.flags.writeable = False
+    return faces, vertices, np.diag([ONE, ONE, 1.0]), origin
+
+
+def warm():
+    """Compile the kernels for the types that `raster` calls them with."""
+    _, vertices, matrix, origin = one_triangle()
+    xy = np.empty((3, 4), np.int32)
+    project(vertices, matrix, origin, 0.01, xy, xy.view(np.float32))

@@ -3,6 +3,8 @@
 import numpy as np
 from numba import njit, prange
 
+from framework.raster_grid_kernels import one_triangle
+
 
 @njit(parallel=True, cache=True, nogil=True, error_model="numpy")
 def resolve(threads, triangle, mesh, normals, uvs, origin, rays, near, channels):
@@ -88,3 +90,10 @@ def _clamped(u, v, w):
     if not 0.0 < total < np.inf:  # seen exactly edge-on
         return 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0
     return u / total, v / total, w / total
+
+
+def warm():
+    """Compile the kernel for the types that `raster` calls it with."""
+    faces, vertices, _, origin = one_triangle()
+    channels = tuple(np.empty((0, 0, *size)) for size in ((), (3,), (3,), (3,), (2,)))
+    resolve(1, np.full((1, 1), -1, np.int32), (faces, vertices), vertices, vertices, origin, np.eye(3), 0.01, channels)

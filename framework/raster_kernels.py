@@ -3,8 +3,9 @@
 import numpy as np
 from numba import njit, prange
 
-from framework._raster_grid import (
+from framework.raster_grid_kernels import (
     BITS,
+    OFF,
     ONE,
     OPTIONS,
     box,
@@ -15,6 +16,7 @@ from framework._raster_grid import (
     off_edge,
     off_inside,
     off_inverse_depth,
+    one_triangle,
 )
 
 TILE = 64
@@ -200,3 +202,16 @@ def _draw_off(keys, faces, face, xy, vertices, matrix, origin, near, left, top):
             if off_inside(line2, sign, x, y) and 0 < q <= 1.0 / near:
                 key = np.int64(np.float32(q).view(np.int32)) << 32 | name
                 keys[row - top, column - left] = max(keys[row - top, column - left], key)
+
+
+def warm():
+    """Compile the kernels for the types that `raster` calls them with."""
+    faces, vertices, matrix, origin = one_triangle()
+    view = (vertices, matrix, origin, 0.01)
+    xy = np.full((3, 4), OFF, np.int32)
+    codes, counts = np.empty(1, np.uint32), np.zeros((1, 2), np.int64)
+    classify(faces, xy, *view, 4, 4, True, True, codes, counts)
+    bins = np.empty(1, np.int32)
+    fill_bins(codes, 1, np.zeros((1, 2), np.int64), bins)
+    starts, order = np.array([0, 1, 1]), np.array([0])
+    draw_tiles(faces, xy, xy.view(np.float32), *view, bins, starts, order, np.empty((4, 4), np.int32))

@@ -1,0 +1,167 @@
+"""Compiled code: where it is kept, and that the first use of it says so instead of seeming to hang.
+
+A kernel module is one named `*_kernel.py` or `*_kernels.py`. It imports Numba, so that whoever needs it imports it
+late; its function `warm()` compiles all of it; of this project it imports other kernel modules alone, since its cache
+is keyed by their sources. When a process imports its first one, `prepare` sets Numba's cache folder and compiles,
+where that has not been done on this machine, all of them.
+"""
+
+import functools
+import os
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+_ROOT = Path(__file__).resolve().parents[1]
+_HOMES = ("framework", "solutions/fast")
+_NAMES = ("_kernel", "_kernels")
+_UNUSED_DAYS = 30
+# Where set, `prepare` copies compiled code from this folder and compiles nothing. Sandboxes need that: their processes
+# may write nothing that others read, and start no processes.
+COPIED_FROM = "COURSE_COMPILED"
+
+
+def kernel_modules():
+    """Names of the kernel modules installed here, largest first."""
+    paths = [path for home in _HOMES for name in _NAMES for path in (_ROOT / home).glob(f"*{name}.py")]
+    paths.sort(key=lambda path: (-path.stat().st_size, path))
+    return [".".join(path.relative_to(_ROOT).with_suffix("").parts) for path in paths]
+
+
+@functools.cache
+def folder():
+    """Where this installation's compiled code lies, by the hash of all that it depends on: a Path."""
+    import hashlib
+    import importlib.metadata
+
+    import platformdirs
+
+    packages = ("numba", "llvmlite", "numpy")
+    parts = [sys.version, _processor(), str(_ROOT), *(importlib.metadata.version(name) for name in packages)]
+    digest = hashlib.sha256("\n".join(parts).encode())
+    for name in sorted(kernel_modules()):
+        digest.update(name.encode() + _source(name).read_bytes())
+    root = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("envmap-course", appauthor=False)
+    return Path(root) / f"compiled-{digest.hexdigest()[:16]}"
+
+
+def is_complete():
+    """Whether all kernels have been compiled."""
+    return _marker().exists()
+
+
+def prepare():
+    """Set Numba's cache folder, and fill it if that is yet to be done, with a progress line on stderr."""
+    if _BeforeTheFirstKernel in sys.meta_path:
+        sys.meta_path.remove(_BeforeTheFirstKernel)
+    import numba
+
+    try:
+        folder().mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return  # Numba then finds a place by itself
+    numba.config.CACHE_DIR = str(folder())  # type: ignore[attr-defined]
+    if COPIED_FROM in os.environ:
+        _copy(os.environ[COPIED_FROM])
+    elif is_complete():
+        os.utime(_marker())
+    elif not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        with open(folder() / "lock", "w") as lock:
+            _wait_for(lock)
+            if not is_complete():
+                _compile_all(kernel_modules())
+                _remove_unused()
+                _marker().touch()
+
+
+class _BeforeTheFirstKernel:
+    """On `sys.meta_path` until a kernel module is imported, whoever does it: finds nothing, but calls `prepare`."""
+
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        if name.endswith(_NAMES) and name in kernel_modules():
+            prepare()
+        return None
+
+
+sys.meta_path.insert(0, _BeforeTheFirstKernel)
+
+
+def _marker():
+    return folder() / "complete"
+
+
+def _source(name):
+    return _ROOT.joinpath(*name.split(".")).with_suffix(".py")
+
+
+def _processor():
+    """What tells this kind of processor from others."""
+    import platform
+
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    return "\n".join(sorted({line for line in lines if line.startswith(("model name", "flags", "Features"))}))
+
+
+def _wait_for(lock):
+    """Until no other process compiles; where files cannot be locked both do, which costs time and harms nothing."""
+    try:
+        import fcntl
+    except ImportError:
+        return
+    fcntl.flock(lock, fcntl.LOCK_EX)
+
+
+def _compile_all(names):
+    """One process for each module, as many at a time as there are cores: this one starts no threads of Numba's."""
+    from concurrent.futures import ThreadPoolExecutor, as_completed
+
+    from tqdm import tqdm
+
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    with ThreadPoolExecutor(cores) as pool:
+        jobs = [pool.submit(_warm_apart, name) for name in names]
+        try:
+            line = tqdm(as_completed(jobs), "compiling the renderer (once)", len(jobs), unit="module", leave=False)
+            for job in line:
+                job.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _warm_apart(name):
+    environment = os.environ | {COPIED_FROM: "", "PYTHONPATH": str(_ROOT)}
+    done = subprocess.run(
+        [sys.executable, "-c", f"import framework.compiled, {name}; {name}.warm()"],
+        env=environment, capture_output=True, text=True,
+    )  # fmt: skip
+    if done.returncode:
+        said = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+        warnings.warn(f"{name} could not be compiled: {said[-1]}", stacklevel=1)
+
+
+def _copy(warm):
+    """Copy a folder of compiled code, "" for none: Numba names subfolders after a path that is another one here."""
+    import shutil
+
+    from numba.core.caching import UserProvidedCacheLocator
+
+    for home in _HOMES:
+        name = UserProvidedCacheLocator.get_suitable_cache_subpath(str(_ROOT / home / "_"))
+        for source in Path(warm).glob(f"{Path(home).name}_*") if warm else ():
+            shutil.copytree(source, folder() / name, dirs_exist_ok=True)
+
+
+def _remove_unused():
+    """Folders of other installations, or of older sources, that no process has asked for in a month."""
+    import shutil
+    import time
+
+    for other in folder().parent.glob("compiled-*"):
+        marker = other / "complete"
+        if time.time() - (marker if marker.exists() else other).stat().st_mtime > _UNUSED_DAYS * 86400:
+            shutil.rmtree(other, ignore_errors=True)
