@@ -106,9 +106,8 @@ def write(result, judgements, out, folder):
     pages = Path(out) / "pages" / folder
     path.parent.mkdir(parents=True, exist_ok=True)
     for record, judgement in zip(result["checks"], judgements, strict=False):
-        picture = next((r.picture for r in judgement.rounds if r.picture is not None), None)
-        if picture is not None:
-            record.update(_pictures(picture, record["id"], pages / result["assignment"], path.parent))
+        if judgement.picture is not None:
+            record.update(_pictures(judgement.picture, record["id"], pages / result["assignment"], path.parent))
     report.write_page(result, path, Path(out))
     text = json.dumps(result, indent=1, ensure_ascii=True, allow_nan=False) + "\n"
     unfinished = path.with_name(f".{path.name}.unfinished")

@@ -57,6 +57,8 @@ def _parser():
     grade.add_argument("--secret", metavar="FILE", type=Path, help="its bytes seed the inputs that students do not see")
     grade.add_argument("--allow-weak-isolation", action="store_true",
                        help="go on where only a plain process is to be had; results say so")  # fmt: skip
+    grade.add_argument("--gradebook", metavar="URL", help="write the scores into nbgrader's gradebook too, "
+                       "for instance sqlite:///gradebook.db")  # fmt: skip
     _add_limits(grade)
     grade.set_defaults(run=_grade)
 
@@ -195,6 +197,10 @@ def _grade(options):
         finally:
             report.write_grades(options.out)
             report.write_index(options.out)
+    if options.gradebook:
+        from autograder import gradebook
+
+        print(f"{gradebook.record(options.out, options.gradebook)} submissions recorded in the gradebook")
     counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items())) or "no notebook found"
     print(f"{len(units)} submissions: {counts}" + (f"; {kept} were done already" if kept else ""))
     print(f"open {options.out / 'index.html'}")

@@ -66,6 +66,11 @@ class Judgement:
     cpu_seconds: float = 0.0
     peak_memory_mb: float = 0.0
 
+    @property
+    def picture(self):
+        """The check's picture, from the inputs that the notebook shows where there is one; or None."""
+        return next((r.picture for r in self.rounds if r.picture is not None), None)
+
 
 def run_check(task, student_calls, expected, seed, public):
     """Run a task's check once.

@@ -21,21 +21,27 @@ class Rejected(Exception):
 
 @dataclass(frozen=True)
 class Released:
-    """What students got: solution cells in their order, with the points of the checks under them."""
+    """What students got: solution cells in their order, with the points of the checks under them, and the questions
+    that a person marks."""
 
     assignment: str
     version: str
     cells: dict[str, str]
     points: dict[str, float]
+    questions: dict[str, str]
 
 
 @dataclass(frozen=True)
 class Submission:
-    """The solution cells of a submission, in the released order; `changed` are those that are not as released."""
+    """The solution cells of a submission, in the released order; `changed` are those that are not as released.
+
+    `answers` are the texts in the cells that a person marks.
+    """
 
     assignment: str
     version: str
     cells: dict[str, str]
+    answers: dict[str, str]
     changed: frozenset[str]
     sha256: str
 
@@ -58,21 +64,14 @@ def read(path, assignment=None) -> Submission:
     if assignment is None:
         raise Rejected("the notebook does not say which assignment it belongs to")
     released = release_of(assignment)
-    cells: dict[str, list[str]] = {}
-    for cell in _code_cells(notebook):
-        grade_id = _grade_id(cell)
-        if grade_id in released.cells:
-            # a cell that was split or copied has its id twice: in order, as the notebook would run them
-            cells.setdefault(grade_id, []).append(_source(cell))
-    sources = {grade_id: "\n\n".join(cells[grade_id]) for grade_id in released.cells if grade_id in cells}
+    sources, answers = _sources(notebook, "code", released.cells), _sources(notebook, "markdown", released.questions)
     if not sources:
         raise Rejected("none of the assignment's solution cells is in the notebook: their marks are lost")
     changed = {g for g, source in sources.items() if _bare(source) != _bare(released.cells[g])}
     course = notebook.get("metadata", {}).get("course", {})
     version = course.get("version") if isinstance(course, dict) else None
     version = version.encode("ascii", "replace").decode()[:40] if isinstance(version, str) else ""
-    return Submission(assignment, version, sources,
-                      frozenset(changed), hashlib.sha256(block).hexdigest())  # fmt: skip
+    return Submission(assignment, version, sources, answers, frozenset(changed), hashlib.sha256(block).hexdigest())
 
 
 def named_in(block, stem) -> str | None:
@@ -98,25 +97,30 @@ def assignment_of(notebook, stem) -> str | None:
 def known_assignments() -> tuple[str, ...]:
     """The assignments that are released and can be judged."""
     ready = checks.available()
-    return tuple(name for name in ready if (ROOT / "assignments" / name / f"{name}.ipynb").is_file())
+    return tuple(name for name in ready if release_path(name).is_file())
+
+
+def release_path(assignment) -> Path:
+    """Where the released notebook of an assignment lies."""
+    return ROOT / "assignments" / assignment / f"{assignment}.ipynb"
 
 
 @cache
 def release_of(assignment) -> Released:
-    """The released notebook of an assignment."""
-    path = ROOT / "assignments" / assignment / f"{assignment}.ipynb"
-    notebook = json.loads(path.read_text(encoding="utf-8"))
-    cells, points, last = {}, {}, None
+    """The released notebook of an assignment, as far as marks go."""
+    notebook = json.loads(release_path(assignment).read_text(encoding="utf-8"))
+    cells, points, questions, last = {}, {}, {}, None
     for cell in notebook["cells"]:
         mark = cell["metadata"].get("nbgrader", {})
         if cell["cell_type"] != "code":
-            continue
-        if mark.get("solution"):
+            if mark.get("solution"):
+                questions[mark["grade_id"]] = _source(cell)
+        elif mark.get("solution"):
             last = mark["grade_id"]
             cells[last] = _source(cell)
         elif mark.get("grade") and last is not None:
             points[last] = float(mark["points"])
-    return Released(assignment, notebook["metadata"]["course"]["version"], cells, points)
+    return Released(assignment, notebook["metadata"]["course"]["version"], cells, points, questions)
 
 
 def block_of(path) -> bytes:
@@ -150,8 +154,14 @@ def _parse(block):
     return notebook
 
 
-def _code_cells(notebook):
-    return [c for c in notebook["cells"] if isinstance(c, dict) and c.get("cell_type") == "code"]
+def _sources(notebook, cell_type, wanted):
+    """The sources of the cells of a type by grade_id, of those that are wanted and in their order."""
+    found: dict[str, list[str]] = {}
+    for cell in notebook["cells"]:
+        if isinstance(cell, dict) and cell.get("cell_type") == cell_type and _grade_id(cell) in wanted:
+            # a cell that was split or copied has its id twice: in order, as the notebook would run them
+            found.setdefault(_grade_id(cell), []).append(_source(cell))
+    return {grade_id: "\n\n".join(found[grade_id]) for grade_id in wanted if grade_id in found}
 
 
 def _grade_id(cell):

@@ -11,7 +11,6 @@ import pytest
 from autograder.report import write_grades, write_index, write_page
 
 pytestmark = pytest.mark.drill
-CHROMIUM = Path("/usr/bin/chromium")
 _SPEC = importlib.util.spec_from_file_location(
     "report_samples", Path(__file__).parents[1] / "autograder" / "report_samples.py"
 )
@@ -36,17 +35,6 @@ CONTRAST = """() => {
   }
   return faint;
 }"""
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api")
-    if not CHROMIUM.exists():
-        pytest.skip(f"no browser at {CHROMIUM}")
-    with playwright.sync_playwright() as session:
-        browser = session.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="module")
