@@ -7,10 +7,12 @@ import numpy as np
 import framework as fw
 from solutions.prefilter import irradiance, prefilter_chain
 from solutions.split_sum import brdf_lut
+from solutions.split_sum_error import maps
 
 DATA = Path(__file__).parent / "data"
 ROUGHNESS_LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 HEIGHTS = (64, 64, 64, 32, 32, 32, 16, 16, 16)
+LOW_HEIGHTS = (32, 32, 32, 16, 16, 16, 16, 16, 16)
 
 
 def small_sky(height):
@@ -24,20 +26,20 @@ def small_sky(height):
         return fw.Environment.load(path).resized(height)
 
 
-def build(path, brightest=np.inf):
-    """Write the sky, filtered and ready for shading, as `framework.EnvironmentLight` to an `.npz` file.
+def build(path, env, heights=HEIGHTS):
+    """Write an environment, filtered and ready for shading, as `framework.EnvironmentLight` to an `.npz` file.
 
     Parameters
     ----------
     path : str or Path      its folder must exist
-    brightest : float       pixels above it are clamped: without a sun, Monte Carlo converges while one waits
+    env : framework.Environment
+    heights : sequence of int       rows of the map for each of `ROUGHNESS_LEVELS`
 
     Returns
     -------
     framework.EnvironmentLight      what was written
     """
-    env = fw.Environment(np.minimum(small_sky(64).pixels, brightest))
-    chain = prefilter_chain(env, ROUGHNESS_LEVELS, HEIGHTS, 1024)
+    chain = prefilter_chain(env, ROUGHNESS_LEVELS, heights, 1024)
     light = fw.EnvironmentLight(env, irradiance(env, 16), chain, ROUGHNESS_LEVELS, brdf_lut(64, 4096))
     light.save(path)
     return light
@@ -46,6 +48,9 @@ def build(path, brightest=np.inf):
 if __name__ == "__main__":
     for name in ("prefilter", "split_sum", "environment_shadows"):
         (DATA / name).mkdir(parents=True, exist_ok=True)
+    sky = small_sky(64)
     fw.write_image(DATA / "prefilter" / "sky.exr", small_sky(32).pixels)
-    build(DATA / "split_sum" / "light.npz", brightest=10.0)
-    build(DATA / "environment_shadows" / "light.npz")
+    build(DATA / "environment_shadows" / "light.npz", sky)
+    # Without a sun, Monte Carlo converges while one waits.
+    build(DATA / "split_sum" / "light.npz", fw.Environment(np.minimum(sky.pixels, 10.0)))
+    build(DATA / "split_sum" / "studio.npz", maps(rows=32)["photo: studio"], LOW_HEIGHTS)
