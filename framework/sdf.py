@@ -210,7 +210,8 @@ def _unit(value, name):
     vector = as_vector(value, name)
     if not vector.any():
         raise ValueError(f"{name} is zero; a direction is wanted")
-    return tuple(normalize(vector).tolist())
+    # What is unit stays as it is, to the last bit: a field that is written and read again is the same.
+    return tuple((vector if abs(vector @ vector - 1) < 1e-15 else normalize(vector)).tolist())
 
 
 def _nodes(values, name):
