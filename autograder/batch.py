@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import concurrent.futures
+import contextlib
 import hashlib
 import json
 import multiprocessing
+import multiprocessing.util
 import os
 import signal
 import sys
@@ -16,7 +18,7 @@ from pathlib import Path
 from autograder import report, submission
 from autograder.discover import Unit, member_bytes
 from autograder.grade import grade
-from autograder.sandbox import Limits
+from autograder.sandbox import PROCESS, Limits, Pool
 
 PICTURES = ("yours", "reference", "difference")
 
@@ -79,25 +81,39 @@ def grade_unit(unit, job) -> str:
     -------
     str     the submission's status
     """
-    if unit.problem or unit.member is not None:
-        with tempfile.TemporaryDirectory(prefix="course-") as folder:
+    path, problem = Path(unit.path), unit.problem
+    with tempfile.TemporaryDirectory(prefix="course-") as folder, _sandboxes(job) as pool:
+        if unit.member is not None and not problem:
             path = Path(folder) / "submission.ipynb"
-            problem = unit.problem
-            if not problem:
-                try:
-                    path.write_bytes(member_bytes(unit))
-                except submission.Rejected as rejected:
-                    problem = str(rejected)
-            result, judgements = grade(path, unit.student, job.level, job.limits, job.secret,
-                                       _known(unit.assignment), problem=problem)  # fmt: skip
-    else:
-        result, judgements = grade(Path(unit.path), unit.student, job.level, job.limits, job.secret,
-                                   _known(unit.assignment))  # fmt: skip
+            try:
+                path.write_bytes(member_bytes(unit))
+            except submission.Rejected as rejected:
+                problem = str(rejected)
+        result, judgements = grade(path, unit.student, pool, job.secret, _known(unit.assignment), problem)
     if unit.message:
         result["message"] = "; ".join(part for part in (result["message"], unit.message) if part)
     result["record"] |= {"file": unit.label, "secret": job.secret_id, "source": _fingerprint(unit)}
     write(result, judgements, Path(job.out), unit.folder)
     return result["status"]
+
+
+@contextlib.contextmanager
+def _sandboxes(job):
+    """Sandboxes for one submission: those of this process, warm from the one before, where no task can harm them."""
+    if job.level == PROCESS:
+        with Pool(job.level, job.limits) as pool:
+            yield pool
+        return
+    global _warm
+    if _warm is None or (_warm.level, _warm.limits) != (job.level, job.limits):
+        if _warm is not None:
+            _warm.close()
+        _warm = Pool(job.level, job.limits)
+        multiprocessing.util.Finalize(_warm, _warm.close, exitpriority=1)
+    yield _warm
+
+
+_warm: Pool | None = None
 
 
 def write(result, judgements, out, folder):

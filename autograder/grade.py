@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import inspect
 import time
@@ -20,21 +19,19 @@ from autograder.judge import (
     seed_of,
     settle,
 )
-from autograder.sandbox import Limits, Sandbox, SandboxFailed
 from autograder.student import Failure, Remote, why_ended
 
 DEFAULT_SECRET = b"envmap-course"
 
 
-def grade(path, student, level, limits=None, secret=DEFAULT_SECRET, assignment=None, problem=""):
+def grade(path, student, pool, secret=DEFAULT_SECRET, assignment=None, problem=""):
     """Judge one notebook.
 
     Parameters
     ----------
     path : path             the file; it may hold anything
     student : str           whose it is
-    level : str             isolation, one of `sandbox.STRENGTH`
-    limits : Limits
+    pool : sandbox.Pool     of the isolation and the limits wanted
     secret : bytes          what the hidden inputs are seeded with
     assignment : str        by default the one that the notebook names
     problem : str           why the file cannot be read, where that is known already
@@ -44,41 +41,34 @@ def grade(path, student, level, limits=None, secret=DEFAULT_SECRET, assignment=N
     dict                    the result as the contract describes it
     list of Judgement       what it was made from; empty where the file was rejected
     """
-    limits = limits or Limits()
     begun = time.monotonic()
     try:
         if problem:
             raise submission.Rejected(problem)
         read = submission.read(path, assignment)
     except submission.Rejected as rejected:
-        return _rejected(assignment or "unknown", student, str(rejected), level), []
-    session = _Session(read, level, limits, secret)
-    judgements = session.judge_all()
-    result = result_of(read, student, level, judgements)
+        return _rejected(assignment or "unknown", student, str(rejected), pool.level), []
+    judgements = _Session(read, pool, secret).judge_all()
+    result = result_of(read, student, pool.level, judgements)
     result["wall_seconds"] = round(time.monotonic() - begun, 3)
     return result, judgements
 
 
 class _Session:
-    """The sandboxes of one submission, and what was learnt while its tasks were judged."""
+    """One submission, and what was learnt while its tasks were judged."""
 
-    def __init__(self, read, level, limits, secret):
-        self.read, self.level, self.limits, self.secret = read, level, limits, secret
+    def __init__(self, read, pool, secret):
+        self.read, self.pool, self.limits, self.secret = read, pool, pool.limits, secret
         self.assignment = checks.assignment(read.assignment)
         self.released = submission.release_of(read.assignment)
         self.reference = importlib.import_module(f"solutions.{read.assignment}")
-        self.deadline = time.monotonic() + limits.submission_seconds
+        self.deadline = time.monotonic() + self.limits.submission_seconds
         self.order = [f.name for task in self.assignment.tasks for f in task.functions]
         self.hanging: dict[int, Failure] = {}
 
     def judge_all(self):
-        """Every task, in order; tasks with the same forbidden modules share a sandbox, one process each."""
-        judgements = []
-        with contextlib.ExitStack() as stack:
-            self.stack, self.box = stack, None
-            for task in self.assignment.tasks:
-                judgements.append(self._judge(task))
-        return judgements
+        """Every task, in order, each in a process of its own."""
+        return [self._judge(task) for task in self.assignment.tasks]
 
     def _judge(self, task):
         result = Judgement(task, self.released.points[task.name], [])
@@ -113,7 +103,7 @@ class _Session:
 
     def _run(self, task, result):
         """One process for the task. Returns the index of a cell that never came back, or None."""
-        box = self._sandbox(task.forbidden)
+        box = self.pool.sandbox(task.forbidden)
         link = box.start_task()
         lower = self.order[: self.order.index(task.name)]
         names = [f.name for f in task.functions]
@@ -138,8 +128,7 @@ class _Session:
             if round_.failure is not None:
                 round_.failure = why_ended(round_.failure, ended, self.limits)
         if ended is None or not ended.clean:
-            self.stack.close()
-            self.box = None
+            self.pool.drop(task.forbidden)
         else:
             result.cpu_seconds, result.peak_memory_mb = ended.cpu_seconds, ended.peak_memory_mb
         return None if loaded else remote.cell
@@ -155,17 +144,6 @@ class _Session:
             if round_.failure and broken and "is not defined in its cell" in round_.failure.message:
                 round_.failure = Failure(broken.status, f"its cell fails: {broken.message}", broken.traceback)
             result.rounds.append(round_)
-
-    def _sandbox(self, forbidden):
-        if self.box is None or self.box[0] != forbidden:
-            self.stack.close()
-            try:
-                self.box = forbidden, self.stack.enter_context(Sandbox(self.level, self.limits, forbidden))
-            except SandboxFailed:
-                # a machine short of processes or memory for a moment
-                time.sleep(1)
-                self.box = forbidden, self.stack.enter_context(Sandbox(self.level, self.limits, forbidden))
-        return self.box[1]
 
 
 def _rejected(name, student, message, level):

@@ -56,7 +56,8 @@ class Judge(NbGraderPreprocessor):
         with tempfile.TemporaryDirectory(prefix="course-") as folder:
             path = Path(folder) / "submission.ipynb"
             nbformat.write(nb, path)
-            result, judgements = grade(path, names["student"], level, None, secret, names["assignment"], problem)
+            with sandbox.Pool(level, sandbox.Limits()) as pool:
+                result, judgements = grade(path, names["student"], pool, secret, names["assignment"], problem)
         self.log.info("%s: %s, %g of %g", names["student"], result["status"], result["score"], result["max_score"])
         records = {gradebook.grade_cell(record["id"]): record for record in result["checks"]}
         pictures = {gradebook.grade_cell(j.task.id): j.picture for j in judgements}

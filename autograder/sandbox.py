@@ -200,6 +200,56 @@ class SandboxFailed(Exception):
     """The isolated process did not start."""
 
 
+class Pool:
+    """Sandboxes kept open from task to task: starting one costs as much as judging a whole submission.
+
+    Parameters
+    ----------
+    level : str         one of `STRENGTH`
+    limits : Limits
+    """
+
+    KEPT = 4  # as many as an assignment needs: one for each set of modules that a task may not see
+
+    def __init__(self, level, limits):
+        self.level, self.limits = level, limits
+        self._open: dict[tuple[str, ...], Sandbox] = {}
+
+    def sandbox(self, forbidden) -> Sandbox:
+        """A sandbox without these modules of the framework, open until `drop`."""
+        box = self._open.pop(forbidden, None)
+        if box is None:
+            while len(self._open) >= self.KEPT:
+                self.drop(next(iter(self._open)))
+            box = self._start(forbidden)
+        self._open[forbidden] = box  # at the end, as the one used last
+        return box
+
+    def _start(self, forbidden):
+        try:
+            return Sandbox(self.level, self.limits, forbidden).__enter__()
+        except SandboxFailed:
+            time.sleep(1)  # a machine short of processes or memory for a moment
+            return Sandbox(self.level, self.limits, forbidden).__enter__()
+
+    def drop(self, forbidden):
+        """Close the sandbox of these modules: what a task left in it is not to be trusted."""
+        box = self._open.pop(forbidden, None)
+        if box is not None:
+            box.__exit__()
+
+    def close(self):
+        """Close all of them; their processes are gone afterwards."""
+        for forbidden in list(self._open):
+            self.drop(forbidden)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+
 @functools.cache
 def strongest_level() -> str:
     """The strongest isolation that this machine starts, found by starting it."""

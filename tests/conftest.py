@@ -13,3 +13,12 @@ def isolation():
     from autograder.sandbox import strongest_level
 
     return strongest_level()
+
+
+@pytest.fixture(scope="session")
+def pool(isolation):
+    """Sandboxes of the strongest isolation, with the limits that are the default."""
+    from autograder.sandbox import Limits, Pool
+
+    with Pool(isolation, Limits()) as pool:
+        yield pool

@@ -170,13 +170,13 @@ def test_a_check_shows_a_picture(function):
 
 
 @pytest.fixture
-def marks(tmp_path, isolation):
+def marks(tmp_path, pool):
     """Grades a notebook with the given functions replaced; task name -> its check."""
 
     def run(replacements):
         path = tmp_path / "soft_shadows.ipynb"
         nbformat.write(filled_notebook("soft_shadows", replacements), path)
-        return {check["name"]: check for check in grade(path, "amy", isolation)[0]["checks"]}
+        return {check["name"]: check for check in grade(path, "amy", pool)[0]["checks"]}
 
     return run
 

@@ -6,7 +6,7 @@ import pytest
 from autograder.demo import ENDLESS, IN_ANOTHER_WAY, NO_INSIDE, STEPS_ARE_HITS
 from autograder.grade import grade
 from autograder.samples import filled_notebook
-from autograder.sandbox import Limits
+from autograder.sandbox import Limits, Pool
 
 TASKS = ["sdf_sphere", "sdf_box", "sdf_torus", "blend", "smooth_union", "estimate_normal", "sphere_trace"]
 
@@ -18,7 +18,8 @@ def marks(tmp_path, isolation):
     def run(replacements=None, fill=True, **limits):
         path = tmp_path / "sphere_tracing.ipynb"
         nbformat.write(filled_notebook("sphere_tracing", replacements, fill), path)
-        result, _ = grade(path, "amy", isolation, Limits(**limits))
+        with Pool(isolation, Limits(**limits)) as pool:
+            result, _ = grade(path, "amy", pool)
         run.result = result
         return {check["name"]: check for check in result["checks"]}
 

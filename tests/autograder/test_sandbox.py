@@ -6,7 +6,7 @@ import pytest
 from autograder import sandbox
 from autograder.grade import grade
 from autograder.samples import filled_notebook
-from autograder.sandbox import Limits, strongest_level
+from autograder.sandbox import Limits, Pool, strongest_level
 from framework import compiled
 
 ROOT = sandbox.ROOT
@@ -24,7 +24,8 @@ def first(tmp_path):
         replacements = left_out | {"sdf_sphere": source} | ({"blend": blend} if blend else {})
         path = tmp_path / "sphere_tracing.ipynb"
         nbformat.write(filled_notebook("sphere_tracing", replacements), path)
-        result, _ = grade(path, "amy", level or strongest_level(), Limits(**limits))
+        with Pool(level or strongest_level(), Limits(**limits)) as pool:
+            result, _ = grade(path, "amy", pool)
         for check in result["checks"]:
             if check["name"] == "sdf_box" or (check["name"] == "blend" and not blend):
                 assert check["score"] == check["max_score"], check
@@ -114,9 +115,8 @@ def test_the_submission_has_a_deadline(first, tmp_path):
         for name in ("sdf_sphere", "sdf_box", "blend")
     }
     nbformat.write(filled_notebook("sphere_tracing", loop), path)
-    result, _ = grade(
-        path, "amy", strongest_level(), Limits(submission_seconds=3), assignment="sphere_tracing"
-    )
+    with Pool(strongest_level(), Limits(submission_seconds=3)) as pool:
+        result, _ = grade(path, "amy", pool, assignment="sphere_tracing")
     assert result["status"] == "timeout" and result["wall_seconds"] < 6
 
 
