@@ -74,6 +74,12 @@ def _parser():
     release.add_argument("assignments", nargs="*", metavar="ASSIGNMENT", help="by default all")
     release.set_defaults(run=_release)
 
+    references = commands.add_parser("references", help="build the reference images, or prove them")
+    references.add_argument("action", choices=("build", "verify"),
+                            help="build: make them anew; verify: measure them, exit 1 when something is off")  # fmt: skip
+    references.add_argument("names", nargs="*", metavar="NAME", help="by default all")
+    references.set_defaults(run=_references)
+
     doctor = commands.add_parser("doctor", help="what this machine has, what is missing, how to get it")
     doctor.set_defaults(run=_doctor)
     return parser
@@ -233,6 +239,23 @@ def _release(options):
         if name in checks.available():
             print(f"{name}: public arrays, {public.record(name).stat().st_size >> 10} KiB")
     return 0
+
+
+def _references(options):
+    from tqdm import tqdm
+
+    from autograder import references
+
+    unknown = set(options.names) - set(references.names())
+    if unknown:
+        raise _Usage(f"there is no reference {sorted(unknown)[0]!r}; there are {', '.join(references.names())}")
+    findings = []
+    with tqdm(options.names or references.names(), unit="image", leave=False) as bar:
+        for name in bar:
+            bar.set_postfix_str(name)
+            findings.append(getattr(references, options.action)(name))
+    print(references.table(findings))
+    return 1 if any(finding.problem for finding in findings) else 0
 
 
 def _doctor(options):
