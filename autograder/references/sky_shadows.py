@@ -14,26 +14,26 @@ RAYS = 512
 
 def ambient(spec):
     """free part of the cosine-weighted hemisphere, 0 where nothing is seen; 2048 rays a pixel in closed form"""
-    mask, p, normal, _ = _seen(spec)
-    return _picture(mask, ambient_visibility(_solids(spec), p, normal, spec["t_max"], 2048))
+    mask, p, normal, _ = seen(spec)
+    return _picture(mask, ambient_visibility(solids(spec), p, normal, spec["t_max"], 2048))
 
 
 def ambient_truth(spec):
     """brute force: 512 random rays a pixel, marched through the distance field"""
-    mask, p, normal, _ = _seen(spec)
+    mask, p, normal, _ = seen(spec)
     free = _free(spec, p, normal, _around(normal))
     return _estimate(mask, free.astype(float))
 
 
 def diffuse(spec):
     """albedo / pi times the integral of L (n.l) V; each pixel of the sky in 2 x 2 parts, a ray in closed form to each"""
-    mask, p, normal, _ = _seen(spec)
-    return _picture(mask, diffuse_radiance(_solids(spec), clamped_sky(spec), p, normal, spec["albedo"], spec["t_max"], 2))
+    mask, p, normal, _ = seen(spec)
+    return _picture(mask, diffuse_radiance(solids(spec), clamped_sky(spec), p, normal, spec["albedo"], spec["t_max"], 2))
 
 
 def diffuse_truth(spec):
     """brute force: 512 random rays a pixel, marched through the distance field"""
-    mask, p, normal, _ = _seen(spec)
+    mask, p, normal, _ = seen(spec)
     direction = _around(normal)
     light = clamped_sky(spec).radiance(direction) * _free(spec, p, normal, direction)[..., None]
     return _estimate(mask, spec["albedo"] * light)
@@ -41,15 +41,15 @@ def diffuse_truth(spec):
 
 def glossy(spec):
     """integral of L f (n.l) V of a rough mirror; quadrature over half vectors, rays in closed form"""
-    mask, p, normal, view = _seen(spec)
+    mask, p, normal, view = seen(spec)
     material = spec["r0"], spec["roughness"], spec["t_max"]
-    light = specular_radiance(_solids(spec), clamped_sky(spec), p, normal, view, *material, *spec["nodes"])
+    light = specular_radiance(solids(spec), clamped_sky(spec), p, normal, view, *material, *spec["nodes"])
     return _picture(mask, light)
 
 
 def glossy_truth(spec):
     """brute force: 512 random half vectors a pixel, the rays marched through the distance field"""
-    mask, p, normal, view = _seen(spec)
+    mask, p, normal, view = seen(spec)
     alpha, rng = spec["roughness"] ** 2, np.random.default_rng(3)
     local = fw.sample_ggx(rng.random((len(p) * RAYS, 2)), alpha).reshape(len(p), RAYS, 3)
     half = local @ _axes(normal)
@@ -63,7 +63,7 @@ def glossy_truth(spec):
     return _estimate(mask, light * (weight * lit)[..., None])
 
 
-def _solids(spec):
+def solids(spec):
     """The scene's floor, spheres and boxes."""
     of = {kind: [node[kind] for node in spec["union"] if kind in node] for kind in ("sphere", "box", "plane")}
     return Solids(
@@ -73,7 +73,7 @@ def _solids(spec):
     )
 
 
-def _seen(spec):
+def seen(spec):
     """Which pixels see the scene, (H, W), and there the points, a little off the surface, normals and views."""
     origin, direction = fw.Camera(**spec["camera"]).rays(spec["width"], spec["height"])
     t, normal = truth_rays.cast(spec["union"], origin.reshape(-1, 3), direction.reshape(-1, 3))
