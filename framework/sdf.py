@@ -1,7 +1,7 @@
 """Signed distance fields: primitives, operators that combine them, and scenes as data.
 
 Lengths are in scene units, angles in radians. Each function returns a `Node`, a callable `(..., 3) -> (...)`
-that is negative inside, immutable, and 1-Lipschitz. After Quilez, Distance functions,
+that is negative inside, immutable, and 1-Lipschitz (but for `from_mesh`). After Quilez, Distance functions,
 iquilezles.org/articles/distfunctions.
 """
 
@@ -53,6 +53,36 @@ def plane(normal, offset):
     `normal` is brought to length 1; `offset` is the distance of the plane from the origin along it.
     """
     return primitives.Plane(_unit(normal, "plane: normal"), as_number(offset, "plane: offset"))
+
+
+def from_mesh(mesh, resolution):
+    """The distance to a triangle mesh, sampled on a grid.
+
+    Parameters
+    ----------
+    mesh : Mesh                 closed, wound counter-clockwise as seen from outside; an open one gets distances that
+                                are positive on both sides, and a warning
+    resolution : int            cells along the longest side of the mesh's box, 1 to 1024
+
+    Returns
+    -------
+    Grid                        a node like the others, which also says `.cell`, `.closed`, `.error`, `.nbytes`, and
+                                has `.updated(mesh)`
+
+    Raises
+    ------
+    ValueError                  for a mesh without triangles, or another resolution
+
+    Notes
+    -----
+    Values are lower bounds: never larger than the distance, of the right sign or 0, so that no march passes
+    through the mesh. They are 0 up to `.error` from it: some hundredths of a cell where the surface is smooth,
+    up to 1.8 cells at sharp edges and around open meshes. Where two parts of the surface are equally near, they
+    may be steeper than 1, by `.lipschitz`.
+    """
+    from framework.grid import build
+
+    return build(mesh, resolution)
 
 
 def union(*many):
