@@ -136,3 +136,10 @@ def _solid_angle(x, y, z, triangles, k):
     volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
     ab, bc, ca = ax * bx + ay * by + az * bz, bx * cx + by * cy + bz * cz, cx * ax + cy * ay + cz * az
     return 2.0 * math.atan2(volume, a * b * c + ab * c + bc * a + ca * b)
+
+
+def warm():
+    """Compile everything."""
+    tree = np.zeros((1, 3, 3)), np.zeros((2, 6)), np.zeros((2, 7))
+    nearest_squared(0.0, 0.0, 0.0, 1.0, tree)
+    winding_number(0.0, 0.0, 0.0, tree)
