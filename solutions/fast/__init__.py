@@ -1,0 +1,22 @@
+"""Compiled twins of the reference solutions: the same answers, as fast as a CPU gives them."""
+
+from importlib import import_module
+
+_HOME = {
+    "irradiance": "prefilter",
+    "prefilter_chain": "prefilter",
+}
+
+__all__ = list(_HOME)
+
+
+def __getattr__(name):
+    if name not in _HOME:
+        raise AttributeError(f"solutions.fast has no {name!r}; it offers {', '.join(sorted(__all__))}")
+    value = getattr(import_module(f"solutions.fast.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted(__all__)
