@@ -503,8 +503,8 @@ def area_light_shadow(sdf, origin, to_light, angular_radius, t_min, t_max, max_s
 #     print(f"{n:4d}^3 values: {grid.nbytes / 2**20:6.1f} MiB, {seconds:.3f} s to build, a cell is {4.8 / n:.3f} wide")
 
 # %% [markdown]
-# A picture at sixty a second has 0.017 s, all in all. And these are three primitives; for a mesh of 100
-# 000 triangles each value asks for the nearest one of them. As long as nothing moves this is done once,
+# A picture at sixty a second has 0.017 s, all in all. And these are three primitives; for a mesh of a
+# hundred thousand triangles each value asks for the nearest one of them. As long as nothing moves this is done once,
 # ahead of time. A shadow map, on the other hand, is drawn anew in every frame, and does not care. So the
 # lecture's conclusion: shadows from distance fields are fast and look good, **if** the field is there. An
 # object that moves as a whole still has its field, you only carry the query point into its frame:

@@ -533,6 +533,45 @@ def sphere_trace(sdf, origin, direction, t_max, eps, max_steps):
 # fw.show.march_heat_map(evaluations_per_ray(300, 200))
 
 # %% [markdown]
+# ## The same with triangles
+#
+# Games find what is visible by rasterising triangles, which hardware does faster than any march. Distance fields
+# come in after that, for what triangles are bad at: asking what lies in some direction. So keep the two apart. A
+# rasterised mesh tells *where* each pixel's surface is; your field tells its normal and whether the sun is hidden.
+#
+# A torus and a ball as meshes, and the same as fields. Do the two agree about where the surface is?
+
+# %% tags=["active-ipynb"]
+# ring = fw.mesh.torus(0.75, 0.25)
+# meshes = [
+#     fw.mesh.plane(size=6.0),
+#     fw.Mesh(ring.vertices + [-0.7, 0.25, 0.2], ring.faces, ring.normals),
+#     fw.mesh.sphere(0.6, (0.9, 0.6, -0.1)),
+# ]
+#
+#
+# def on_floor(p):
+#     return np.stack([p[..., 1], sdf_torus(p, (-0.7, 0.25, 0.2), 0.75, 0.25), sdf_sphere(p, (0.9, 0.6, -0.1), 0.6)])
+#
+#
+# def field(p):
+#     return on_floor(p).min(axis=0)
+#
+#
+# seen = [fw.rasterize(mesh, camera, 300, 200) for mesh in meshes]
+# nearest = np.argmin([one.depth for one in seen], axis=0)
+# mask = np.any([one.mask for one in seen], axis=0)
+# p = np.choose(nearest[..., None], [one.position for one in seen])[mask]
+# print(f"the triangles lie within {np.abs(field(p)).max():.4f} of the field's surface")
+#
+# normal = estimate_normal(field, p, 1e-4)
+# _, shadowed = sphere_trace(field, p + 1e-2 * normal, np.broadcast_to(to_sun, p.shape), 10.0, 1e-4, 100)
+# sun = np.clip(normal @ to_sun, 0, 1) * ~shadowed
+# shaded = np.tile([0.45, 0.60, 0.80], (200, 300, 1))
+# shaded[mask] = colors[nearest[mask]] * (1.5 * sun[:, None] * [1.0, 0.92, 0.78] + 0.25)
+# fw.show.image(shaded, title="Found by the rasteriser, lit by your functions")
+
+# %% [markdown]
 # ## A question
 #
 # Sphere tracing looks at single points and never at what lies between them. Answer in a few sentences of

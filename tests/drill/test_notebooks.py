@@ -57,7 +57,9 @@ def test_every_cell_ran_in_order_without_an_error_or_a_warning(executed):
     cells = code_cells(notebook)
     assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
     said = [output for cell in cells for output in cell.outputs if output.output_type == "error"]
-    said += [output for cell in cells for output in cell.outputs if output.get("name") == "stderr"]
+    stderr = [output.text for cell in cells for output in cell.outputs if output.get("name") == "stderr"]
+    # The first picture on a new machine says that it compiles.
+    said += [text for text in stderr if text.strip() and "compiling the renderer" not in text]
     assert said == []
 
 
