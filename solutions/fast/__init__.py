@@ -5,6 +5,7 @@ from importlib import import_module
 _HOME = {
     "irradiance": "prefilter",
     "prefilter_chain": "prefilter",
+    "render_sdf": "render_sdf",
 }
 
 __all__ = list(_HOME)
