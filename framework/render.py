@@ -115,7 +115,7 @@ class _Shading:
                 grid = self._cache.find(key)
                 if grid is None:
                     made += 1
-                    grid = self._cache.keep(key, sdf.from_mesh(mesh, GRID_RESOLUTION))  # type: ignore[attr-defined]
+                    grid = self._cache.keep(key, sdf.from_mesh(mesh, GRID_RESOLUTION))
                 nodes.append(grid)
             kept = "kept from an earlier frame" if meshes and not made else None
             self._plan.count("grids", made, len(meshes), kept)
