@@ -142,7 +142,9 @@ def _build(mesh, resolution, cell, low, shape, old):
     index = np.arange(len(places), dtype=np.int32).reshape(shape)
     wide, _ = _sample(places, index, low, _STEP * cell, _CELLS // _STEP + 1, *solid, None)
     middle = wide.f[:, 1, 1, 1]
-    near = np.abs(middle) <= (_BAND + 1.5 + 0.5 * np.sqrt(3.0) * _CELLS) * cell
+    # No point of a brick is farther from a sample than half a coarse diagonal.
+    reach = _BAND + 1.0 + 0.5 * np.sqrt(3.0) * _STEP
+    near = np.abs(wide.f).min(axis=(1, 2, 3)) <= reach * cell
     index = np.where(near, np.cumsum(near) - 1, np.where(middle > 0, -1, -2)).astype(np.int32).reshape(shape)
     known = old is not None and old.closed != bool(unmatched)
     kept = (old._samples, _untouched(old, mesh, places[near])) if known else None

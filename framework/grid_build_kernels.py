@@ -15,7 +15,7 @@ from framework.grid_bvh_kernels import (
     OPTIONS,
     box_squared,
     leaf,
-    nearest_squared,
+    nearest,
     triangle_squared,
     winding_number,
 )
@@ -37,27 +37,24 @@ def sample(places, low, spacing, tree, signed, f, e):
         y0 = low[1] + places[block, 1] * (n - 1) * spacing
         z0 = low[2] + places[block, 2] * (n - 1) * spacing
         distance, margin = np.empty((n, n, n)), np.full((n, n, n), slack)
+        closest = np.zeros((n, n, n), np.int64)
         for i in range(n):
             for j in range(n):
                 for k in range(n):
-                    _sample_point(
-                        distance,
-                        i,
-                        j,
-                        k,
-                        x0 + i * spacing,
-                        y0 + j * spacing,
-                        z0 + k * spacing,
-                        spacing,
-                        tree,
-                        signed,
+                    x, y, z = x0 + i * spacing, y0 + j * spacing, z0 + k * spacing
+                    guess = (
+                        closest[i, j, k - 1] if k else (closest[i, j - 1, k] if j else closest[i - 1, j, k])
                     )
+                    squared, closest[i, j, k] = nearest(x, y, z, guess, tree)
+                    distance[i, j, k] = math.sqrt(squared)
+        if signed:
+            _set_signs(distance, x0, y0, z0, spacing, tree)
         for i in range(n - 1):
             for j in range(n - 1):
                 for k in range(n - 1):
                     x, y, z = x0 + (i + 0.5) * spacing, y0 + (j + 0.5) * spacing, z0 + (k + 0.5) * spacing
                     cell = distance[i : i + 2, j : j + 2, k : k + 2]
-                    needed = _cell_margin(cell, x, y, z, spacing, tree, signed) + slack
+                    needed = _cell_margin(cell, x, y, z, closest[i, j, k], spacing, tree, signed) + slack
                     for a in range(2):
                         for b in range(2):
                             for c in range(2):
@@ -66,31 +63,37 @@ def sample(places, low, spacing, tree, signed, f, e):
 
 
 @njit(**OPTIONS)
-def _sample_point(distance, i, j, k, x, y, z, spacing, tree, signed):
-    """A neighbour that was done before bounds the search, and lends its sign where no surface can lie between."""
-    bound = np.inf
-    if i:
-        bound = min(bound, abs(distance[i - 1, j, k]))
-    if j:
-        bound = min(bound, abs(distance[i, j - 1, k]))
-    if k:
-        bound = min(bound, abs(distance[i, j, k - 1]))
-    d = math.sqrt(nearest_squared(x, y, z, ((bound + spacing) * (1.0 + 1e-9)) ** 2, tree))
-    if signed:
-        apart = spacing * (1.0 + 1e-9) - d
-        if i and abs(distance[i - 1, j, k]) > apart:
-            d = math.copysign(d, distance[i - 1, j, k])
-        elif j and abs(distance[i, j - 1, k]) > apart:
-            d = math.copysign(d, distance[i, j - 1, k])
-        elif k and abs(distance[i, j, k - 1]) > apart:
-            d = math.copysign(d, distance[i, j, k - 1])
-        elif abs(winding_number(x, y, z, tree)) > 0.5:
-            d = -d
-    distance[i, j, k] = d
+def _set_signs(distance, x0, y0, z0, spacing, tree):
+    """Make distances negative inside: neighbours that are too far from the surface for it to pass between are alike."""
+    n = distance.shape[0]
+    known = np.zeros((n, n, n), np.bool_)
+    stack = np.empty((n * n * n, 3), np.int64)
+    for start in range(n * n * n):
+        i, j, k = start // (n * n), start // n % n, start % n
+        if known[i, j, k]:
+            continue
+        inside = abs(winding_number(x0 + i * spacing, y0 + j * spacing, z0 + k * spacing, tree)) > 0.5
+        known[i, j, k], stack[0, 0], stack[0, 1], stack[0, 2], top = True, i, j, k, 1
+        while top:
+            top -= 1
+            i, j, k = stack[top, 0], stack[top, 1], stack[top, 2]
+            for side in range(6):
+                step = 1 if side & 1 else -1
+                a, b, c = (
+                    i + (step if side < 2 else 0),
+                    j + (step if 2 <= side < 4 else 0),
+                    k + (step if side > 3 else 0),
+                )
+                if 0 <= a < n and 0 <= b < n and 0 <= c < n and not known[a, b, c]:
+                    if abs(distance[i, j, k]) + distance[a, b, c] > spacing * (1.0 + 1e-9):
+                        known[a, b, c], stack[top, 0], stack[top, 1], stack[top, 2] = True, a, b, c
+                        top += 1
+            if inside:
+                distance[i, j, k] = -distance[i, j, k]
 
 
 @njit(**OPTIONS)
-def _cell_margin(f, x, y, z, spacing, tree, signed):
+def _cell_margin(f, x, y, z, guess, spacing, tree, signed):
     """How far the trilinear value in a cell around (x, y, z) may exceed the distance, on either side.
 
     Three bounds, of which the least counts.
@@ -102,17 +105,16 @@ def _cell_margin(f, x, y, z, spacing, tree, signed):
       smooth one.
     """
     half = 0.5 * math.sqrt(3.0) * spacing
-    least = np.inf
+    most = 0.0
     for a in range(2):
         for b in range(2):
             for c in range(2):
-                least = min(least, abs(f[a, b, c]))
-    d = math.sqrt(nearest_squared(x, y, z, ((least + half) * (1.0 + 1e-9)) ** 2, tree))
-    limit = half
-    if d > half:
-        limit = min(limit, 0.375 * spacing * spacing / (d - half))
-    if d > _SEARCH * spacing:
-        return limit
+                most = max(most, abs(f[a, b, c]))
+    if most - half > _SEARCH * spacing:  # so is the distance from the middle
+        return min(half, 0.375 * spacing * spacing / (most - 2.0 * half))
+    squared, _ = nearest(x, y, z, guess, tree)
+    d = math.sqrt(squared)
+    limit = min(half, 0.375 * spacing * spacing / (d - half)) if d > half else half
 
     nx, ny, nz = 0.0, 0.0, 0.0
     for a in range(2):
@@ -183,27 +185,50 @@ def _support(x, y, z, nx, ny, nz, reach, through, over, under, limit, f, spacing
             continue
         first, last = leaf(node, leaves, triangles.shape[0])
         for k in range(first, last):
+            low, high = _along(x, y, z, nx, ny, nz, triangles, k)
+            if max(over + high, under - low) <= margin:
+                continue
+            above, below = _by_own_plane(x, y, z, f, spacing, triangles, k)
+            touches = _box_reaches(x, y, z, through, triangles, k)
+            if not touches and max(min(over + high, above), min(under - low, below)) <= margin:
+                continue
             squared = triangle_squared(x, y, z, triangles, k)
             if squared <= reach * reach * (1.0 + 1e-9):
-                needed = _above(x, y, z, nx, ny, nz, reach, over, under, f, spacing, triangles, k)
+                low, high = _clip(x, y, z, nx, ny, nz, reach, triangles, k, low, high)
+                margin = max(margin, min(over + high, above), min(under - low, below))
                 if squared <= through * through * (1.0 + 1e-9):
-                    low, high, _, _, _, _ = _extent(x, y, z, nx, ny, nz, through, triangles, k)
-                    needed = max(needed, over + high, under - low)
-                margin = max(margin, needed)
+                    low, high = _clip(x, y, z, nx, ny, nz, through, triangles, k, low, high)
+                    margin = max(margin, over + high, under - low)
     return margin
 
 
 @njit(**OPTIONS)
-def _above(x, y, z, nx, ny, nz, reach, over, under, f, spacing, triangles, k):
-    """How far the trilinear value may exceed the distance to triangle `k`, on either side of the surface.
+def _along(x, y, z, nx, ny, nz, triangles, k):
+    """Least and most of `n . (q - p)` over a triangle."""
+    here = nx * x + ny * y + nz * z
+    a = nx * triangles[k, 0, 0] + ny * triangles[k, 0, 1] + nz * triangles[k, 0, 2] - here
+    b = nx * triangles[k, 1, 0] + ny * triangles[k, 1, 1] + nz * triangles[k, 1, 2] - here
+    c = nx * triangles[k, 2, 0] + ny * triangles[k, 2, 1] + nz * triangles[k, 2, 2] - here
+    return min(a, b, c), max(a, b, c)
 
-    On each the best of three planes is taken: one along n, and the triangle's own seen from above and from below.
-    """
-    low, high, height, mx, my, mz = _extent(x, y, z, nx, ny, nz, reach, triangles, k)
-    over, under = over + high, under - low
+
+@njit(**OPTIONS)
+def _box_reaches(x, y, z, reach, triangles, k):
+    """Whether the triangle's box comes within `reach` along each axis."""
+    for axis in range(3):
+        p = x if axis == 0 else (y if axis == 1 else z)
+        a, b, c = triangles[k, 0, axis], triangles[k, 1, axis], triangles[k, 2, axis]
+        if min(a, b, c) - p > reach or p - max(a, b, c) > reach:
+            return False
+    return True
+
+
+@njit(**OPTIONS)
+def _by_own_plane(x, y, z, f, spacing, triangles, k):
+    """How far the trilinear value in the cell exceeds the distance to the triangle's plane, and the negative value."""
+    mx, my, mz, height = _plane(x, y, z, triangles, k)
     if mx == 0.0 and my == 0.0 and mz == 0.0:
-        return max(over, under)
-    # Most and least of the value less the height over the plane, and less the height below it.
+        return np.inf, np.inf
     most_up, least_up, most_down, least_down = -np.inf, np.inf, -np.inf, np.inf
     for a in range(2):
         for b in range(2):
@@ -212,34 +237,36 @@ def _above(x, y, z, nx, ny, nz, reach, over, under, f, spacing, triangles, k):
                 value = f[a, b, c]
                 most_up, least_up = max(most_up, value - lift), min(least_up, value - lift)
                 most_down, least_down = max(most_down, value + lift), min(least_down, value + lift)
-    return max(min(over, most_up, most_down), min(under, -least_up, -least_down))
+    return min(most_up, most_down), min(-least_up, -least_down)
 
 
 @njit(**OPTIONS)
-def _extent(x, y, z, nx, ny, nz, reach, triangles, k):
-    """Least and most of `n . (q - p)` over a triangle, and over the disc that a ball around p cuts from its plane.
+def _clip(x, y, z, nx, ny, nz, reach, triangles, k, low, high):
+    """`low` and `high` of `_along` for the disc that a ball around p cuts from the triangle's plane."""
+    mx, my, mz, height = _plane(x, y, z, triangles, k)
+    if mx == 0.0 and my == 0.0 and mz == 0.0:
+        return low, high
+    cosine = mx * nx + my * ny + mz * nz
+    radius = math.sqrt(max(reach * reach - height * height, 0.0) * max(1.0 - cosine * cosine, 0.0))
+    return max(low, height * cosine - radius), min(high, height * cosine + radius)
 
-    Then `m . (q - p)` for its unit normal m, and m: zero for a triangle without a plane.
-    """
-    ax, ay, az = triangles[k, 0, 0] - x, triangles[k, 0, 1] - y, triangles[k, 0, 2] - z
-    bx, by, bz = triangles[k, 1, 0] - x, triangles[k, 1, 1] - y, triangles[k, 1, 2] - z
-    cx, cy, cz = triangles[k, 2, 0] - x, triangles[k, 2, 1] - y, triangles[k, 2, 2] - z
-    a, b, c = nx * ax + ny * ay + nz * az, nx * bx + ny * by + nz * bz, nx * cx + ny * cy + nz * cz
-    low, high = min(a, b, c), max(a, b, c)
-    bx, by, bz, cx, cy, cz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+
+@njit(**OPTIONS)
+def _plane(x, y, z, triangles, k):
+    """Unit normal m of a triangle, and `m . (q - p)` of its points; zeros where it is too thin to have a plane."""
+    ax, ay, az = triangles[k, 0, 0], triangles[k, 0, 1], triangles[k, 0, 2]
+    bx, by, bz = triangles[k, 1, 0] - ax, triangles[k, 1, 1] - ay, triangles[k, 1, 2] - az
+    cx, cy, cz = triangles[k, 2, 0] - ax, triangles[k, 2, 1] - ay, triangles[k, 2, 2] - az
     mx, my, mz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
     squared, longest = (
         mx * mx + my * my + mz * mz,
         max(bx * bx + by * by + bz * bz, cx * cx + cy * cy + cz * cz),
     )
     if not squared > 1e-16 * longest * longest:
-        return low, high, 0.0, 0.0, 0.0, 0.0
-    length = math.sqrt(squared)
-    mx, my, mz = mx / length, my / length, mz / length
-    height = mx * ax + my * ay + mz * az
-    cosine = mx * nx + my * ny + mz * nz
-    radius = math.sqrt(max(reach * reach - height * height, 0.0) * max(1.0 - cosine * cosine, 0.0))
-    return max(low, height * cosine - radius), min(high, height * cosine + radius), height, mx, my, mz
+        return 0.0, 0.0, 0.0, 0.0
+    scale = 1.0 / math.sqrt(squared)
+    mx, my, mz = mx * scale, my * scale, mz * scale
+    return mx, my, mz, mx * (ax - x) + my * (ay - y) + mz * (az - z)
 
 
 def warm():

@@ -22,26 +22,36 @@ _DEPTH = 64
 
 
 @njit(**OPTIONS)
-def nearest_squared(x, y, z, below, tree):
-    """Squared distance to the nearest triangle, where that is less than `below`; else `below`."""
+def nearest(x, y, z, guess, tree):
+    """Squared distance to the nearest triangle, and which it is; the better the `guess`, the faster."""
     triangles, boxes, _ = tree
     leaves = boxes.shape[0] // 2
-    stack = np.empty(_DEPTH, np.int64)
-    stack[0], top, best = 1, 1, below
+    stack, gaps = np.empty(_DEPTH, np.int64), np.empty(_DEPTH)
+    best, found = triangle_squared(x, y, z, triangles, guess), guess
+    stack[0], gaps[0], top = 1, box_squared(x, y, z, boxes, 1), 1
     while top:
         top -= 1
         node = stack[top]
-        if box_squared(x, y, z, boxes, node) >= best:
+        if gaps[top] >= best:
             continue
         if node >= leaves:
             first, last = leaf(node, leaves, triangles.shape[0])
             for k in range(first, last):
-                best = min(best, triangle_squared(x, y, z, triangles, k))
-        else:
-            left = box_squared(x, y, z, boxes, 2 * node) < box_squared(x, y, z, boxes, 2 * node + 1)
-            stack[top], stack[top + 1] = (2 * node + 1, 2 * node) if left else (2 * node, 2 * node + 1)
-            top += 2
-    return best
+                squared = triangle_squared(x, y, z, triangles, k)
+                if squared < best:
+                    best, found = squared, k
+            continue
+        near, far = 2 * node, 2 * node + 1
+        near_gap, far_gap = box_squared(x, y, z, boxes, near), box_squared(x, y, z, boxes, far)
+        if far_gap < near_gap:
+            near, far, near_gap, far_gap = far, near, far_gap, near_gap
+        if far_gap < best:
+            stack[top], gaps[top] = far, far_gap
+            top += 1
+        if near_gap < best:
+            stack[top], gaps[top] = near, near_gap
+            top += 1
+    return best, found
 
 
 @njit(**OPTIONS)
@@ -141,5 +151,5 @@ def _solid_angle(x, y, z, triangles, k):
 def warm():
     """Compile everything."""
     tree = np.zeros((1, 3, 3)), np.zeros((2, 6)), np.zeros((2, 7))
-    nearest_squared(0.0, 0.0, 0.0, 1.0, tree)
+    nearest(0.0, 0.0, 0.0, 0, tree)
     winding_number(0.0, 0.0, 0.0, tree)

@@ -1,0 +1,56 @@
+import math
+
+import numpy as np
+import pytest
+
+import framework as fw
+from benchmarks import grid, shadow_maps
+
+POINTS = shadow_maps.points(48, 36)
+CAMERA = fw.Camera(shadow_maps.LIGHT, (0.0, 0.5, 0.0), (0.0, 1.0, 0.0), 2 * math.atan(3.0 / 45.0))
+
+
+@pytest.fixture(scope="module")
+def shadow_map():
+    mesh = shadow_maps._joined([*shadow_maps.objects(), fw.mesh.plane(9.0)])
+    return shadow_maps.ShadowMap.drawn(mesh, CAMERA, 512)
+
+
+def test_a_point_falls_on_the_pixel_that_shows_it(shadow_map):
+    column, row, depth = shadow_map.project(POINTS)
+    lit = (shadow_maps.ray_sampled(POINTS, 64) == 1) & (np.abs(POINTS) < 2).all(axis=1)
+    assert lit.sum() > 300
+    # All but a few at an outline, whose pixel shows what lies behind.
+    assert (np.abs(shadow_map.at(column, row) - depth)[lit] < 0.05).mean() > 0.99
+
+
+def test_one_look_up_agrees_with_the_ray_to_the_middle_where_no_edge_is_near(shadow_map):
+    seen = shadow_maps.ray_sampled(POINTS, 64)
+    sure = (seen == 0) | (seen == 1)
+    hard = shadow_maps.pcf(shadow_map, POINTS, 0.0, 1, 0.03)
+    assert 20 < (seen[sure] == 0).sum() and (hard[sure] == seen[sure]).mean() > 0.99
+
+
+def test_filtering_as_wide_as_the_half_shade_is_nearer_the_truth_than_one_look_up(shadow_map):
+    truth = shadow_maps.ray_sampled(POINTS, 256)
+    hard = shadow_maps.pcf(shadow_map, POINTS, 0.0, 1, 0.03)
+    soft = shadow_maps.pcss(shadow_map, POINTS, shadow_maps.LIGHT_RADIUS, 64, 0.03)
+    rmse = [np.sqrt(((estimate - truth) ** 2).mean()) for estimate in (hard, soft)]
+    assert rmse[1] < 0.5 * rmse[0]
+
+
+def test_without_a_blocker_all_of_the_light_is_seen(shadow_map):
+    above = POINTS + [0, 3.0, 0]
+    assert (shadow_maps.pcss(shadow_map, above, shadow_maps.LIGHT_RADIUS, 16, 0.03) == 1).all()
+    assert (shadow_maps.ray_sampled(above, 16) == 1).all()
+
+
+def test_the_tables_have_a_row_for_each_setting():
+    table = shadow_maps.rows(12, 9, map_sizes=(64,), resolutions=(8,), rays=16)
+    assert [row["name"] for row in table] == [
+        "hard", "PCF", "PCSS", "PCF", "PCSS", "k, formula", "signed, formula", "k, grid", "signed, grid", "rays", "rays",
+    ]  # fmt: skip
+    table = grid.rows((12, 48), (32,), 400)
+    assert [(row["name"], row["size"]) for row in table] == [("grid", 12), ("grid", 48), ("shadow map", 32)]
+    assert table[1]["mean_error"] < table[0]["mean_error"]
+    assert len({tuple(row) for row in table[:2]}) == 1 and set(table[2]) == set(table[0])
