@@ -58,7 +58,7 @@ class GBuffer:
         sizes = {"depth": (), "barycentric": (3,), "position": (3,), "normal": (3,), "uv": (2,)}
         wanted = [name for name in names if not (name == "uv" and mesh.uv is None)]
         out = {
-            name: np.zeros((height, width, *size) if name in wanted else (0, 0, *size))
+            name: np.empty((height, width, *size) if name in wanted else (0, 0, *size))
             for name, size in sizes.items()
         }
         none = np.zeros((0, 3))
