@@ -80,6 +80,17 @@ def _parser():
     references.add_argument("names", nargs="*", metavar="NAME", help="by default all")
     references.set_defaults(run=_references)
 
+    techniques = _techniques()
+    bench = commands.add_parser(
+        "bench", help="run time against error: a CSV and a plot per technique",
+        description="Measure how long each technique takes and how wrong it is; needs a clone of the repository.",
+        epilog="\n".join(["techniques:", *(f"  {name:12} {about}" for name, about in techniques.items())]),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    bench.add_argument("name", nargs="?", metavar="NAME", help="a technique, see below; by default all")
+    bench.add_argument("--out", required=True, metavar="DIR", type=Path, help="where NAME.csv and NAME.png go")
+    bench.set_defaults(run=_bench)
+
     doctor = commands.add_parser("doctor", help="what this machine has, what is missing, how to get it")
     doctor.set_defaults(run=_doctor)
     return parser
@@ -256,6 +267,38 @@ def _references(options):
             findings.append(getattr(references, options.action)(name))
     print(references.table(findings))
     return 1 if any(finding.problem for finding in findings) else 0
+
+
+def _techniques():
+    """Techniques that can be measured; none where only the packages are installed, and the repository is elsewhere."""
+    root = Path(__file__).resolve().parents[1]
+    if not (root / "benchmarks" / "harness.py").is_file():
+        return {}
+    sys.path.insert(0, str(root))
+    try:
+        from benchmarks import TECHNIQUES
+    finally:
+        sys.path.remove(str(root))
+    return TECHNIQUES
+
+
+def _bench(options):
+    techniques = _techniques()
+    if not techniques:
+        raise _Usage("the benchmarks lie in the repository: clone it and install it there with `pip install -e .`")
+    if options.name is not None and options.name not in techniques:
+        raise _Usage(f"there is no technique {options.name!r}; there are {', '.join(techniques)}")
+    from benchmarks import harness
+
+    for name in [options.name] if options.name else techniques:
+        print(f"{name}: {techniques[name]}", flush=True)
+        try:
+            lines = harness.bench(name, options.out)
+        except OSError as error:
+            raise _Usage(f"{options.out} cannot be written: {error.strerror}") from None
+        print(*(f"  {line}" for line in lines), sep="\n")
+        print(f"  written: {options.out / name}.csv and .png", flush=True)
+    return 0
 
 
 def _doctor(options):

@@ -1,54 +1,52 @@
-"""Run time of the rasteriser, and its memory: `python benchmarks/raster.py`.
+"""The rasteriser by number of triangles, and OpenGL on the same processor where it is installed.
 
-Each line is the median of eleven frames of 1024 x 1024 pixels after a warm-up. The mesh is a bumpy sphere that
-covers 56 % of the image; half of its triangles face away, and are drawn like the others.
+A frame has 1024 x 1024 pixels. The mesh is a bumpy sphere that covers 56 % of them; half of its triangles face away,
+and are drawn like the others. OpenGL writes float32 into memory that it keeps, this course float64.
 """
 
-import resource
+import functools
 import sys
-import time
-
-import numpy as np
 
 import framework as fw
 from framework import mesh as shapes
 
+TITLE = "G-buffers of 1024 x 1024 pixels: run time by triangles"
 SIZE = 1024
 CAMERA = fw.Camera((0.3, 0.5, 2.6), (0, 0, 0), (0, 1, 0), 0.9)
-CHANNELS = {
-    "visibility": (),
-    "depth": ("depth",),
-    "position and normal": ("position", "normal"),
-    "everything": ("depth", "barycentric", "position", "normal"),
-}
+TRIANGLES = (1_000, 10_000, 66_000, 300_000, 1_000_000, 5_000_000)
+CHANNELS = {"triangle alone": (), "depth": ("depth",), "position and normal": ("position", "normal")}
 
 
-def main(frames=11):
-    print(f"{'triangles':>10}  {'channels':<20} {'median ms':>9} {'fastest ms':>10}")
-    for triangles in (66_000, 1_000_000):
+def series():
+    found: dict[str, dict] = {name: {} for name in CHANNELS}
+    for triangles in TRIANGLES:
         mesh = shapes.bumpy_sphere(triangles)
         for name, channels in CHANNELS.items():
-            times = sorted(_frame(mesh, channels) for _ in range(frames + 1))[:frames]
-            print(f"{len(mesh.faces):>10}  {name:<20} {1e3 * np.median(times):>9.1f} {1e3 * times[0]:>10.1f}")
-    mesh = shapes.bumpy_sphere(5_000_000)
-    seconds = _frame(mesh, CHANNELS["position and normal"])
-    print(f"{len(mesh.faces)} triangles, position and normal: {1e3 * seconds:.0f} ms")
-    # Kilobytes on Linux, bytes on macOS.
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1 if sys.platform == "darwin" else 1 / 1024)
-    print(
-        f"peak memory of the process, the mesh's own {_megabytes(mesh):.0f} MB included: {peak / 1e6:.0f} MB"
-    )
+            run = functools.partial(fw.rasterize, mesh, CAMERA, SIZE, SIZE, channels=channels)
+            found[name][len(mesh.faces)] = run
+        peer = _peer(mesh)
+        if peer is not None:
+            found.setdefault(f"position and normal, {peer.name}", {})[len(mesh.faces)] = peer.draw
+    return found
 
 
-def _frame(mesh, channels):
-    start = time.perf_counter()
-    fw.rasterize(mesh, CAMERA, SIZE, SIZE, channels=channels)
-    return time.perf_counter() - start
+@functools.cache
+def _missing():
+    """Say once what keeps OpenGL away, "" if nothing does."""
+    try:
+        from benchmarks.peers import llvmpipe_raster
+
+        llvmpipe_raster.Rasterizer(shapes.bumpy_sphere(12), CAMERA, 8, 8)
+    except Exception as problem:  # no package, no library, no context: each has its own kind
+        print(f"raster: OpenGL is left out ({problem}); pip install moderngl, apt-get install libegl1 libgl1-mesa-dri",
+              file=sys.stderr)  # fmt: skip
+        return str(problem) or "unknown"
+    return ""
 
 
-def _megabytes(mesh):
-    return (mesh.vertices.nbytes + mesh.faces.nbytes + mesh.normals.nbytes) / 1e6
+def _peer(mesh):
+    if _missing():
+        return None
+    from benchmarks.peers.llvmpipe_raster import Rasterizer
 
-
-if __name__ == "__main__":
-    main()
+    return Rasterizer(mesh, CAMERA, SIZE, SIZE)
