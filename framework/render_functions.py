@@ -19,12 +19,15 @@ class Functions:
         raise ValueError(f"render_scene: functions has no {name}; one is wanted for {purpose}")
 
 
-def counted(function, field, *args):
-    """`function(field, *args)`, and how many distances it asked for.
+def reads_trees(function):
+    """Marks a function that reads the tree of a field, as compiled ones do, instead of calling it."""
+    function.reads_trees = True
+    return function
 
-    Compiled functions, which say so by an attribute `compiled`, read the field's tree and call nothing: 0.
-    """
-    if getattr(function, "compiled", False):
+
+def counted(function, field, *args):
+    """`function(field, *args)`, and how many distances it asked for; 0 for functions that read trees."""
+    if getattr(function, "reads_trees", False):
         return function(field, *args), 0
     evaluations = 0
 

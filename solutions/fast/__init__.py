@@ -4,8 +4,10 @@ from importlib import import_module
 
 _HOME = {
     "irradiance": "prefilter",
+    "microfacet_brdf": "microfacet",
     "prefilter_chain": "prefilter",
     "render_sdf": "render_sdf",
+    "soft_shadow": "soft_shadow",
 }
 
 __all__ = list(_HOME)
