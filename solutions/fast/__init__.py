@@ -3,10 +3,15 @@
 from importlib import import_module
 
 _HOME = {
+    "brdf_lut": "lut",
+    "environment_light": "light",
     "irradiance": "prefilter",
     "microfacet_brdf": "microfacet",
+    "monte_carlo_shade": "monte_carlo",
     "prefilter_chain": "prefilter",
     "render_sdf": "render_sdf",
+    "sample_chain": "shade",
+    "shade_split_sum": "shade",
     "soft_shadow": "soft_shadow",
 }
 
