@@ -23,6 +23,21 @@ def render_sdf_llvmpipe(scene, camera, width, height, to_light, k, t_max=40.0):
     -------
     (t, normal, visibility)     float32, as there; None where moderngl or a software OpenGL is missing
     """
+    target = _draw(scene, camera, width, height, to_light, k, t_max)
+    if target is None:
+        return None
+    whole = np.frombuffer(target.read(components=4, dtype="f4", attachment=0), "f4").reshape(height, width, 4)
+    t = np.frombuffer(target.read(components=1, dtype="f4", attachment=1), "f4").reshape(height, width)
+    return np.where(t < 0, np.float32(np.inf), t), whole[..., :3], whole[..., 3]
+
+
+def draw_only(scene, camera, width, height, to_light, k, t_max=40.0):
+    """The same without reading the picture back, for timing: whether it could be drawn."""
+    return _draw(scene, camera, width, height, to_light, k, t_max) is not None
+
+
+def _draw(scene, camera, width, height, to_light, k, t_max):
+    """The framebuffer that the picture is in, None without OpenGL."""
     context = _context()
     if context is None:
         return None
@@ -40,20 +55,7 @@ def render_sdf_llvmpipe(scene, camera, width, height, to_light, k, t_max=40.0):
     target.use()
     context.vertex_array(program, []).render(mode=context.TRIANGLES, vertices=3)
     context.finish()
-    whole = np.frombuffer(target.read(components=4, dtype="f4", attachment=0), "f4").reshape(height, width, 4)
-    t = np.frombuffer(target.read(components=1, dtype="f4", attachment=1), "f4").reshape(height, width)
-    return np.where(t < 0, np.float32(np.inf), t), whole[..., :3], whole[..., 3]
-
-
-def draw_only(scene, camera, width, height, to_light, k):
-    """The same without reading the picture back, for timing; None where it cannot be drawn."""
-    context = _context()
-    if context is None:
-        return None
-    _target(context, width, height).use()
-    context.vertex_array(_program(scene, context), []).render(mode=context.TRIANGLES, vertices=3)
-    context.finish()
-    return True
+    return target
 
 
 @functools.cache
