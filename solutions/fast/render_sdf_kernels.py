@@ -21,7 +21,9 @@ from framework.tape_kernels import (
 from solutions.fast.sdf_hit_kernels import ROUNDING, hit_part
 from solutions.fast.sdf_shadow_kernels import ball, shadow
 
-TILE = 16  # pixels along a side; a lane's row and column are bits of its number
+BITS = 4  # a lane's row and column in its tile are bits of its number
+TILE = 1 << BITS  # pixels along a side
+MANY = 10  # parts in a tile, above which it pays to cut it in four
 
 
 @njit(**ENTRY)
@@ -33,13 +35,20 @@ def render(thread, threads, tape, depth, view, inside, t_max, light, out_t, out_
     """
     height, width = out_t.shape
     tiles_x, tiles_y = -(-width // TILE), -(-height // TILE)
-    work, rows, lane, owner, seen, starts, near = _rooms(tape, depth)
+    rooms = _rooms(tape, depth)
+    work, seen, near = rooms[0], rooms[4], rooms[6]
     for tile in range(thread, tiles_x * tiles_y, threads):
-        row, column = tile // tiles_x * TILE, tile % tiles_x * TILE
-        _tile(
-            tape, view, inside, t_max, light, row, column, min(row + TILE, height), min(column + TILE, width),
-            out_t, out_normal, out_visibility, work, rows, lane, owner, seen, starts, near,
-        )  # fmt: skip
+        top, left = tile // tiles_x * TILE, tile % tiles_x * TILE
+        bottom, right = min(top + TILE, height), min(left + TILE, width)
+        count = 0 if inside else _parts_seen(tape, view, t_max, top, left, bottom, right, seen, near, work)
+        bits = BITS if count <= MANY else BITS - 1
+        for row in range(top, bottom, 1 << bits):
+            for column in range(left, right, 1 << bits):
+                _tile(
+                    tape, view, inside, t_max, light, count, bits, row, column,
+                    min(row + (1 << bits), bottom), min(column + (1 << bits), right),
+                    out_t, out_normal, out_visibility, rooms,
+                )  # fmt: skip
 
 
 @njit(**OPTIONS)
@@ -54,19 +63,22 @@ def _rooms(tape, depth):
 
 
 @njit(**OPTIONS)
-def _tile(tape, view, inside, t_max, light, top, left, bottom, right, out_t, out_normal, out_visibility, work,
-          rows, lane, owner, seen, starts, near):  # fmt: skip
-    n = TILE * (bottom - top)
+def _tile(tape, view, inside, t_max, light, count, bits, top, left, bottom, right, out_t, out_normal,
+          out_visibility, rooms):  # fmt: skip
+    """A tile of up to `1 << bits` pixels a side, that sees `count` parts; of a smaller one that is yet to be found out."""
+    work, rows, lane, owner, seen, starts, near = rooms
+    n = (bottom - top) << bits
     dx, dy, dz, t, on = rows[16], rows[17], rows[18], rows[19], owner[0]
-    count = 1 if inside else _parts_seen(tape, view, t_max, top, left, bottom, right, seen, near, work)
+    if inside:
+        parts_near(tape, view[0, 0], view[0, 1], view[0, 2], 0.0, work)
+        seen[0], count = work[3][0], 1
+    elif bits < BITS:
+        count = _parts_seen(tape, view, t_max, top, left, bottom, right, seen, near, work)
     if count > 0:
-        _rays(view, top, left, n, dx, dy, dz)
+        _rays(view, top, left, bits, n, dx, dy, dz)
         for i in range(n):
             t[i], on[i] = np.float32(0.0 if inside else t_max), 0 if inside else -1
-        if inside:
-            parts_near(tape, view[0, 0], view[0, 1], view[0, 2], 0.0, work)
-            seen[0] = work[3][0]
-        else:
+        if not inside:
             _hits(tape, view, top, left, bottom, right, count, n, seen, near, rows, lane[0], on, work)
         count = _gather(n, rows, on, seen, count, starts, owner[1], lane[1])
     if count < n:
@@ -79,10 +91,29 @@ def _tile(tape, view, inside, t_max, light, top, left, bottom, right, out_t, out
         return
     px, py, pz, nx, ny, nz, arrives = rows[20], rows[21], rows[22], rows[23], rows[24], rows[25], rows[26]
     _normals(tape, view[0], count, owner[1], lane[1], rows, work)
-    shadow(tape, view[0], light, px, py, pz, nx, ny, nz, owner[1], count, arrives, rows, lane[2], work)
+    shadow(
+        tape,
+        view[0],
+        light,
+        px,
+        py,
+        pz,
+        nx,
+        ny,
+        nz,
+        owner[1],
+        lane[1],
+        bits,
+        count,
+        arrives,
+        rows,
+        lane[2],
+        lane[3],
+        work,
+    )
     for i in range(count):
         pixel = lane[1, i]
-        row, column = top + (pixel >> 4), left + (pixel & (TILE - 1))
+        row, column = top + (pixel >> bits), left + (pixel & ((1 << bits) - 1))
         if column >= right:
             continue
         out_t[row, column], out_visibility[row, column] = t[pixel], arrives[i]
@@ -94,10 +125,10 @@ def _tile(tape, view, inside, t_max, light, top, left, bottom, right, out_t, out
 
 
 @njit(**OPTIONS)
-def _rays(view, top, left, n, dx, dy, dz):
+def _rays(view, top, left, bits, n, dx, dy, dz):
     """Unit directions through the pixels' centres. Every row has all its pixels, also beyond the image's edge."""
     for i in range(n):
-        column, row = left + (i & (TILE - 1)) + 0.5, top + (i >> 4) + 0.5
+        column, row = left + (i & ((1 << bits) - 1)) + 0.5, top + (i >> bits) + 0.5
         x = view[1, 0] + column * view[2, 0] + row * view[3, 0]
         y = view[1, 1] + column * view[2, 1] + row * view[3, 1]
         z = view[1, 2] + column * view[2, 2] + row * view[3, 2]
@@ -204,7 +235,7 @@ def _hits(tape, view, top, left, bottom, right, count, n, seen, near, rows, lane
     for j in range(count):
         if near[j] <= farthest:
             hit_part(tape, seen[j], j, view[0], axis, spread, pixel, dx, dy, dz, n, t, on, rows, lane, work)
-            if j + 1 < count:
+            if j + 1 < count and j % 4 == 3:
                 most = ZERO
                 for i in range(n):
                     most = max(most, t[i])

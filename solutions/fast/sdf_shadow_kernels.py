@@ -17,7 +17,9 @@ FEW_PARTS = 12  # that are cheaper to evaluate than to choose from
 
 
 @njit(**OPTIONS)
-def shadow(tape, origin, light, px, py, pz, nx, ny, nz, owner, n, visibility, rows, lane, work):
+def shadow(
+    tape, origin, light, px, py, pz, nx, ny, nz, owner, pixel, bits, n, visibility, rows, lane, others, work
+):
     """Fill `visibility` (n,) of points `px, py, pz` relative to `origin`, with unit normals and the parts they lie on."""
     lx, ly, lz = np.float32(light[0]), np.float32(light[1]), np.float32(light[2])
     k, offset, t_min = light[3], np.float32(light[4]), np.float32(light[5])
@@ -47,11 +49,28 @@ def shadow(tape, origin, light, px, py, pz, nx, ny, nz, owner, n, visibility, ro
     marching = NONE
     for i in range(count):
         if end[i] >= t_min:
-            lane[marching] = lane[i]
-            ox[marching], oy[marching], oz[marching], end[marching] = ox[i], oy[i], oz[i], end[i]
+            rows[27, marching], rows[28, marching], rows[29, marching] = ox[i], oy[i], oz[i]
+            rows[30, marching], others[marching] = end[i], lane[i]
             marching += 1
-    if marching > 0:
-        _march(tape, origin, light, marching, visibility, rows, lane, work)
+    # Points of one part lie close together, and few parts are near to all of them.
+    few, begin = tape[3].shape[0] - 1 <= FEW_PARTS, NONE
+    while begin < marching:
+        stop = marching if few else begin + 1
+        while stop < marching and owner[others[stop]] == owner[others[begin]]:
+            stop += 1
+        # Many are cut in four by their place in the tile.
+        whole = few or stop - begin <= 16
+        for quarter in range(1 if whole else 4):
+            m = NONE
+            for i in range(begin, stop):
+                at = pixel[others[i]]
+                if whole or ((at >> (2 * bits - 1)) & 1) * 2 + ((at >> (bits - 1)) & 1) == quarter:
+                    ox[m], oy[m], oz[m], end[m] = rows[27, i], rows[28, i], rows[29, i], rows[30, i]
+                    lane[m] = others[i]
+                    m += 1
+            if m > 0:
+                _march(tape, origin, light, few, m, visibility, rows, lane, work)
+        begin = stop
 
 
 @njit(**OPTIONS)
@@ -189,7 +208,7 @@ def _rays_near_box(box, part, origin, light, x, y, z, radius, n, ox, oy, oz, end
 
 
 @njit(**OPTIONS)
-def _march(tape, origin, light, n, visibility, rows, lane, work):
+def _march(tape, origin, light, few, n, visibility, rows, lane, work):
     """The march of rays up to their `end`, in stretches with a program pruned for each."""
     lx, ly, lz = np.float32(light[0]), np.float32(light[1]), np.float32(light[2])
     k = np.float32(light[3])
@@ -205,12 +224,11 @@ def _march(tape, origin, light, n, visibility, rows, lane, work):
             np.float32(light[5]),
             ONE,
         )
-    few = tape[3].shape[0] - 1 <= FEW_PARTS
-    begin = light[5]
+    begin, stride = light[5], ZERO
     while n > 0:
         middle, reach, limit = 0.0, np.inf, INF
         if not few:
-            length = max(2.0 * radius, 0.5 * begin)
+            length = max(radius, np.float64(stride))
             middle, reach, limit = begin + 0.5 * length, radius + 0.5 * length, np.float32(begin + length)
         m = load_ball(
             tape, origin[0] + bx + middle * light[0], origin[1] + by + middle * light[1],
@@ -222,7 +240,7 @@ def _march(tape, origin, light, n, visibility, rows, lane, work):
                 s = at[i] - forth
                 x[i], y[i], z[i] = ox[i] + s * lx, oy[i] + s * ly, oz[i] + s * lz
             values(work[5], work[6], m, x, y, z, n, work[7])
-            marching, waiting = _advance(work[7][0, 0], n, at, seen, end, k, limit)
+            marching, waiting, stride = _advance(work[7][0, 0], n, at, seen, end, k, limit)
             if marching == 0:
                 break
             if 2 * (marching + waiting) <= n:
@@ -239,8 +257,11 @@ def _march(tape, origin, light, n, visibility, rows, lane, work):
 
 @njit(**OPTIONS)
 def _advance(h, n, at, seen, end, k, limit):
-    """One step of each ray; how many still march, and wait for the next stretch. A blocked ray is at infinity."""
-    marching, waiting = NONE, NONE
+    """One step of each ray; how many still march, and wait for the next stretch; their longest last step.
+
+    A blocked ray is at infinity.
+    """
+    marching, waiting, stride = NONE, NONE, ZERO
     for i in range(n):
         t, v = at[i], h[i]
         visits = (t <= end[i]) & (t <= limit)
@@ -249,9 +270,10 @@ def _advance(h, n, at, seen, end, k, limit):
         seen[i] = light if visits else seen[i]
         t = (INF if blocked else t + v) if visits else t
         at[i] = t
+        stride = max(stride, v if visits & (t <= end[i]) else ZERO)
         marching += (t <= end[i]) & (t <= limit)
         waiting += (t <= end[i]) & (t > limit)
-    return marching, waiting
+    return marching, waiting, stride
 
 
 @njit(**OPTIONS)
