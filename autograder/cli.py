@@ -91,6 +91,18 @@ def _parser():
     bench.add_argument("--out", required=True, metavar="DIR", type=Path, help="where NAME.csv and NAME.png go")
     bench.set_defaults(run=_bench)
 
+    calibrate = commands.add_parser(
+        "calibrate", help="measure the checks' tolerances against known right and wrong answers",
+        description="Judge every known answer with many inputs. For each measure: the largest error of right answers, "
+        "the tolerance, the nearest wrong answer that it catches, and the margins between them.",
+        epilog="exit code: 0 all is well, 1 an answer has the wrong marks or a margin is below 1.5, 2 wrong arguments",
+    )  # fmt: skip
+    calibrate.add_argument("names", nargs="*", metavar="NAME",
+                           help="assignments, or tasks by number or function; by default all")  # fmt: skip
+    calibrate.add_argument("--seeds", type=_count, metavar="N", default=8, help="inputs for each answer (default: %(default)s)")
+    calibrate.add_argument("--write", action="store_true", help="put the figures into tolerances.json")
+    calibrate.set_defaults(run=_calibrate)
+
     doctor = commands.add_parser("doctor", help="what this machine has, what is missing, how to get it")
     doctor.set_defaults(run=_doctor)
     return parser
@@ -299,6 +311,24 @@ def _bench(options):
         print(*(f"  {line}" for line in lines), sep="\n")
         print(f"  written: {options.out / name}.csv and .png", flush=True)
     return 0
+
+
+def _calibrate(options):
+    from tqdm import tqdm
+
+    from autograder import calibrate, calibration_report, doctor
+
+    try:
+        answers = calibrate.answers_of(options.names)
+    except KeyError as unknown:
+        raise _Usage(unknown.args[0]) from None
+    with tqdm(total=len(answers), unit="answer") as bar:
+        tables = calibrate.measure(answers, options.seeds, doctor.cores(), bar.update)
+    print("\n".join(line for table in tables for line in calibration_report.lines(table)))
+    print("\n".join(calibration_report.summary(tables)))
+    if options.write:
+        calibration_report.write(tables)
+    return 1 if any(table.problems for table in tables) else 0
 
 
 def _doctor(options):

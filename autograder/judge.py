@@ -27,6 +27,7 @@ class Round:
     failure: Failure | None = None
     picture: checks.Picture | None = None
     calls: list = field(default_factory=list)
+    measured: list = field(default_factory=list)
 
     @property
     def fraction(self):
@@ -97,7 +98,7 @@ def run_check(task, student_calls, expected, seed, public):
                 result.measures.append(measure)
     except Failure as failure:
         result.failure = failure
-    result.picture, result.calls = trial.picture, trial.calls
+    result.picture, result.calls, result.measured = trial.picture, trial.calls, trial.measured
     return result
 
 

@@ -128,6 +128,7 @@ class Trial:
     rng : numpy.random.Generator    of the public or of the hidden inputs
     public : bool                   whether these are the inputs that the notebook shows
     picture : Picture or None       what the check wants shown
+    measured : list                 (name, error, tolerance) of all that was held against a record
     """
 
     task: Task
@@ -137,6 +138,7 @@ class Trial:
     public: bool
     picture: Picture | None = None
     calls: list = field(default_factory=list)
+    measured: list = field(default_factory=list)
 
     @property
     def student(self):
@@ -170,6 +172,7 @@ class Trial:
         """A measure: `error` against the tolerance recorded under this name."""
         record = tolerance(self.task.id, name)
         limit = record["tolerance"]
+        self.measured.append((name, float(error), limit))
         if credit is None:
             credit = 1.0 if error <= limit else 0.0
         return Measure(name, record["metric"], float(error), limit, credit, share, message, property)

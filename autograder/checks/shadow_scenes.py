@@ -78,7 +78,7 @@ class Scene:
         return 1 - self.stops(origin, d / np.linalg.norm(d, axis=1, keepdims=True)).mean(axis=1)
 
 
-def across_the_shade(rng, scene, light, radius, count=32):
+def across_the_shade(rng, scene, light, radius, count=64):
     """Points of the floor that see a part of the light, in even steps from little to most of it; some all or nothing."""
     points = ground(rng, 6000)
     seen = scene.visible(points, light, radius, 32)

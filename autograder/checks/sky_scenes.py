@@ -9,6 +9,10 @@ from framework.environment_light import EnvironmentLight
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 LEVELS = (0.0, 0.25, 0.4, 0.6, 0.8, 1.0)
+# the least and greatest radiance of a sky's spots
+SPOTS = (5.0, 9.0), (1.0, 3.0), (0.6, 2.0)
+SUNNY = (9.0, 14.0), (0.5, 1.5), (0.3, 1.0)
+SOFT = (1.5, 2.5), (1.0, 2.0), (0.6, 1.5)
 _OFF = 1e-6
 
 
@@ -77,6 +81,17 @@ class Solids:
         some = rng.permutation(len(p))[:count]
         return p[some], normal[some]
 
+    def mirrors(self, rng, count, t_max):
+        """Points, normals and views: something within t_max stands in the mirror direction of half of them."""
+        p, normal = self.surface_points(rng, 10 * count)
+        view = normalize(normal + 0.9 * normalize(rng.normal(size=normal.shape)))
+        mirror = 2 * dot(normal, view)[:, None] * normal - view
+        hidden = ~self.free(p, normal, mirror[:, None], t_max)[:, 0]
+        steep = dot(normal, mirror) > 0.1
+        first = np.flatnonzero(steep & hidden)[: count // 2]
+        some = np.concatenate([first, np.flatnonzero(steep & ~hidden)[: count - len(first)]])
+        return p[some], normal[some], view[some]
+
 
 def around(normal, count):
     """Directions evenly spread by cosine above each normal: (N, count, 3)."""
@@ -123,7 +138,7 @@ def split_sum(light, normal, view, r0, roughness):
     return np.where(cosine[:, None] > 0, color, 0.0)
 
 
-def sky(rng, height, spots=((5.0, 9.0), (1.0, 3.0), (0.6, 2.0)), spread=20.0):
+def sky(rng, height, spots=SPOTS, spread=20.0):
     """A dim coloured gradient with soft spots, the first high up: `spots` are their least and greatest radiance."""
     d = pixel_directions(height)
     pixels = rng.uniform(0.1, 0.4, 3) + (1 + d[..., 1:2]) * rng.uniform(0.05, 0.2, 3)

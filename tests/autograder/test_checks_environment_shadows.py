@@ -1,95 +1,21 @@
 """Tasks 5.1 to 5.3: right answers of any make keep their marks, wrong ones lose some, with every secret."""
 
-import functools
 import inspect
-import json
 import pickle
 
 import numpy as np
 import pytest
+from known import rounds
 from numpy.testing import assert_allclose
-from variants import environment_shadows as variants
 
 from autograder import checks
 from autograder.checks import sky_scenes as scenes
 from autograder.judge import run_check, seed_of
-from autograder.student import InMemory
 from framework.environment import Environment
 from solutions import environment_shadows as reference
 
 ASSIGNMENT = checks.assignment("environment_shadows")
 TASKS = [task.name for task in ASSIGNMENT.tasks]
-SECRETS = (b"north", b"east", b"south")
-
-
-def versions(kind):
-    """(function, version) for all that the module `variants` holds of a kind."""
-    return [(f, v) for f in TASKS for v in vars(variants) if v.startswith(f"{kind}_{f}_")]
-
-
-@functools.cache
-def rounds(function, version, secrets=SECRETS):
-    """The public round of a version and one round for each secret."""
-    task = ASSIGNMENT.find(function)
-    code = getattr(variants, version) if version else getattr(reference, function)
-    return [_round(task, code, True)] + [_round(task, code, False, secret) for secret in secrets]
-
-
-def _round(task, code, public, secret=b""):
-    calls = InMemory({task.name: code}, task).call
-    return run_check(task, calls, reference, seed_of(secret, ASSIGNMENT.name, task.id, public), public)
-
-
-def missed(round_):
-    """The names of the measures that an answer does not meet."""
-    return {m.name for m in round_.measures if m.credit < 1}
-
-
-def some(function):
-    """The slow task is judged with one secret in the daily tests, with all in the long ones."""
-    return SECRETS[:1] if function == TASKS[2] else SECRETS
-
-
-def test_every_task_has_the_versions_that_its_claim_rests_on():
-    for function in TASKS:
-        assert sum(f == function for f, _ in versions("right")) >= 2
-        assert sum(f == function for f, _ in versions("wrong")) >= 5
-
-
-@pytest.mark.parametrize("function", TASKS)
-def test_the_reference_gets_full_marks(function):
-    for r in rounds(function, None):
-        assert (r.failure, missed(r), round(r.fraction, 9)) == (None, set(), 1.0)
-
-
-@pytest.mark.parametrize(("function", "version"), versions("right"))
-def test_a_right_answer_gets_full_marks(function, version):
-    for r in rounds(function, version, some(function)):
-        assert (r.failure, missed(r), round(r.fraction, 9)) == (None, set(), 1.0)
-
-
-@pytest.mark.parametrize(("function", "version"), versions("costly"))
-def test_an_answer_that_is_right_at_a_price_loses_marks_for_work_alone(function, version):
-    for r in rounds(function, version, ()):
-        assert missed(r) == {"work"}
-        assert 0.8 <= round(r.fraction, 9) < 1
-
-
-@pytest.mark.parametrize(("function", "version"), versions("wrong"))
-def test_a_wrong_answer_loses_marks_on_every_input(function, version):
-    for r in rounds(function, version, some(function)):
-        assert r.failure is None and missed(r) - {"work"}
-        assert r.fraction <= 0.95
-
-
-@pytest.mark.drill
-@pytest.mark.parametrize(
-    ("function", "version"), [(f, None) for f in TASKS] + versions("right") + versions("wrong")
-)
-def test_right_and_wrong_stay_apart_over_many_secrets(function, version):
-    for r in rounds(function, version, tuple(b"secret %d" % i for i in range(20))):
-        right = version is None or version.startswith("right")
-        assert r.failure is None and (missed(r) == set() if right else r.fraction <= 0.96)
 
 
 @pytest.mark.parametrize("value", [0.0, 1.0])
@@ -101,22 +27,15 @@ def test_an_answer_that_does_not_look_at_its_input_earns_next_to_nothing(task, v
 
 
 def test_shading_without_shadows_earns_little():
-    for r in rounds("shade_with_shadows", "wrong_shade_with_shadows_none", SECRETS[:1]):
+    for r in rounds(ASSIGNMENT.name, "shade-with-shadows-none", (b"north",)):
         assert {m.name: m.credit for m in r.measures}["matt"] < 1e-3
         assert r.fraction < 0.3
 
 
 def test_a_check_shows_a_picture():
     for function in TASKS:
-        picture = rounds(function, None)[0].picture
+        picture = rounds(ASSIGNMENT.name, f"{function.replace('_', '-')}-reference", ())[0].picture
         assert picture.yours.shape == picture.expected.shape and np.isfinite(picture.expected).all()
-
-
-def test_every_measure_has_a_tolerance_with_its_reason():
-    records = json.loads((checks.HERE.parent / "references" / "tolerances.json").read_text(encoding="utf-8"))
-    for task in ASSIGNMENT.tasks:
-        for name, record in records[task.id].items():
-            assert len(record["reason"]) > 20, (task.id, name)
 
 
 def test_straight_rays_and_distances_of_a_scene_agree():

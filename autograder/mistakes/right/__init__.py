@@ -1,0 +1,1 @@
+"""Right answers made in other ways than the reference; `autograder.mistakes` finds them by their names."""
