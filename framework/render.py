@@ -210,24 +210,32 @@ class _Shading:
             plan.count(f"light {number}", 0, len(points))
             plan.count(f"shadow {number}", 0, len(points) if self._casting else 0)
             return
+        from framework.render_kernels import add_light
+
         cosine, visible = self._visibility(number, light)
-        strength = visible * cosine
-        lit = np.arange(len(points)) if plan.everything else np.flatnonzero(strength)
-        plan.count(f"light {number}", len(lit), len(points))
-        arriving = strength[:, None] * light.irradiance
+        strength, lit = visible * cosine, 0
         for i, part in points.slices.items():
             material = self._scene.objects[i].material
-            if material.scatters or plan.everything:
-                color[part] += arriving[part] * (np.array(material.albedo) / np.pi)
+            # Picking the lit points costs as much as it saves where they are the most: there all are taken.
+            some = np.flatnonzero(strength[part]) + part.start
+            few = not plan.everything and 2 * len(some) < part.stop - part.start
+            of: slice | np.ndarray = some if few else part
+            glint = np.empty((0, 3))
             if material.reflects or plan.everything:
-                of = lit[slice(*np.searchsorted(lit, (part.start, part.stop)))]
                 brdf = self._functions.get("microfacet_brdf", f"the mirror parts under light {number}")
                 # A lobe narrower than the light shows the light's disc: the GGX lobe of that width stands in for it.
                 alpha = max(material.roughness**2, 0.5 / light.k, 1e-4)
                 glint = brdf(
                     points.normal[of], points.view[of], light.direction, np.array(material.r0), alpha
                 )
-                color[of] += arriving[of] * np.asarray(glint) * material.reflects
+                glint = np.asarray(glint, float) if material.reflects else np.empty((0, 3))
+            lit += len(strength[of])
+            reflected = color[of]
+            matt = np.array(material.albedo) / np.pi
+            add_light(reflected, strength[of], matt, light.irradiance, np.ascontiguousarray(glint))
+            if few:
+                color[of] = reflected
+        plan.count(f"light {number}", lit, len(points))
 
     def _visibility(self, number, light):
         """`n.l` where positive, else 0, and the part of the light that is seen: (N,) each."""
@@ -235,7 +243,7 @@ class _Shading:
         if not self._casting:
             plan.count(name, 0, 0)
             return np.maximum(points.normal @ light.direction, 0.0), np.ones(len(points))
-        from framework.render_kernels import shadow_rays
+        from framework.render_kernels import offset_points, shadow_rays
 
         offset, edges = scene.reach / 2400, np.geomspace(scene.reach / 600, scene.reach, _SEGMENTS + 1)
         low, high = self._bounds.boxes(np.maximum(edges[1:] / light.k, 1e-4) * (1 + 1e-6))
@@ -246,7 +254,8 @@ class _Shading:
         plan.count(name, len(wanted), len(points))
         if len(wanted):
             march = self._functions.get("soft_shadow", f"the shadows of light {number}")
-            origin = points.position[wanted] + offset * points.normal[wanted]
+            origin = np.empty((len(wanted), 3))
+            offset_points(points.position, points.normal, wanted, offset, origin)
             limits = light.k, edges[0], edges[-1], _SHADOW_STEPS
             visible[wanted], evaluations = counted(march, self._occluder(), origin, light.direction, *limits)
             plan.count_each(name, evaluations)

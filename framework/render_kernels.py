@@ -113,15 +113,39 @@ def shadow_rays(position, normal, to_light, offset, low, high, planes, edges, k,
             cosine[i] = 0.0
             continue
         p = (position[i, 0] + offset * n[0], position[i, 1] + offset * n[1], position[i, 2] + offset * n[2])
-        meets = False
+        meets, last = False, edges.shape[0] - 1
         for part in range(low.shape[0]):
-            for s in range(edges.shape[0] - 1):
-                meets = meets or _meets_box(low[part, s], high[part, s], p, to_light, edges[s], edges[s + 1])
+            if _meets_box(low[part, last - 1], high[part, last - 1], p, to_light, edges[0], edges[last]):
+                for s in range(last):
+                    meets = meets or _meets_box(
+                        low[part, s], high[part, s], p, to_light, edges[s], edges[s + 1]
+                    )
         for part in range(planes.shape[0]):
             height, slope = _above(planes[part], p, to_light)
             for t in (edges[0], edges[-1]):
                 meets = meets or height + slope * t <= max(t / k, 1e-4) * (1.0 + 1e-6)
         mask[i] = meets
+
+
+@njit(**OPTIONS)
+def offset_points(position, normal, which, offset, out):
+    """The points of those numbers, `offset` above the surface, into `out` (M, 3)."""
+    for j in prange(which.shape[0]):
+        i = which[j]
+        for axis in range(3):
+            out[j, axis] = position[i, axis] + offset * normal[i, axis]
+
+
+@njit(**OPTIONS)
+def add_light(color, strength, matt, irradiance, glint):
+    """Add what points reflect of a light to `color` (N, 3); `glint` is (N, 3), or (0, 3) for no mirror part."""
+    for i in prange(color.shape[0]):
+        if strength[i] > 0.0:
+            for c in range(3):
+                brdf = matt[c]
+                if glint.shape[0]:
+                    brdf += glint[i, c]
+                color[i, c] += strength[i] * irradiance[c] * brdf
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -184,3 +208,5 @@ def warm():
     camera_rays(np.ones((1, 3)), np.ones((1, 3)), planes, rays, origin, 1.0, one, mask)
     boxes = np.ones((1, 1, 3)), np.ones((1, 1, 3)), planes, np.ones(2)
     shadow_rays(position, normal, np.ones(3), 0.1, *boxes, 8.0, np.zeros(1), mask[0])
+    offset_points(position, normal, pixel, 0.1, out)
+    add_light(out, one[0], one[0], one[0], out)
