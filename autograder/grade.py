@@ -6,7 +6,6 @@ import importlib
 import inspect
 import time
 
-import framework
 from autograder import checks, submission
 from autograder.judge import (
     UNJUDGED,
@@ -18,13 +17,15 @@ from autograder.judge import (
     run_check,
     seed_of,
     settle,
+    summed,
+    versions,
 )
 from autograder.student import Failure, Remote, why_ended
 
 DEFAULT_SECRET = b"envmap-course"
 
 
-def grade(path, student, pool, secret=DEFAULT_SECRET, assignment=None, problem=""):
+def grade(path, student, pool, secret=DEFAULT_SECRET, assignment=None, problem="", points=None, only=()):
     """Judge one notebook.
 
     Parameters
@@ -35,6 +36,8 @@ def grade(path, student, pool, secret=DEFAULT_SECRET, assignment=None, problem="
     secret : bytes          what the hidden inputs are seeded with
     assignment : str        by default the one that the notebook names
     problem : str           why the file cannot be read, where that is known already
+    points : dict           task id -> points, where they are not as released; at 0 a task is not judged
+    only : set of str       ids of the tasks to judge; by default all
 
     Returns
     -------
@@ -47,8 +50,8 @@ def grade(path, student, pool, secret=DEFAULT_SECRET, assignment=None, problem="
             raise submission.Rejected(problem)
         read = submission.read(path, assignment)
     except submission.Rejected as rejected:
-        return _rejected(assignment or "unknown", student, str(rejected), pool.level), []
-    judgements = _Session(read, pool, secret).judge_all()
+        return _rejected(assignment or "unknown", student, str(rejected), pool.level, points or {}), []
+    judgements = _Session(read, pool, secret, points or {}).judge_all(only)
     result = result_of(read, student, pool.level, judgements)
     result["wall_seconds"] = round(time.monotonic() - begun, 3)
     return result, judgements
@@ -57,21 +60,24 @@ def grade(path, student, pool, secret=DEFAULT_SECRET, assignment=None, problem="
 class _Session:
     """One submission, and what was learnt while its tasks were judged."""
 
-    def __init__(self, read, pool, secret):
+    def __init__(self, read, pool, secret, points):
         self.read, self.pool, self.limits, self.secret = read, pool, pool.limits, secret
         self.assignment = checks.assignment(read.assignment)
-        self.released = submission.release_of(read.assignment)
+        self.points = _points(self.assignment, points)
         self.reference = importlib.import_module(f"solutions.{read.assignment}")
         self.deadline = time.monotonic() + self.limits.submission_seconds
         self.order = [f.name for task in self.assignment.tasks for f in task.functions]
         self.hanging: dict[int, Failure] = {}
 
-    def judge_all(self):
-        """Every task, in order, each in a process of its own."""
-        return [self._judge(task) for task in self.assignment.tasks]
+    def judge_all(self, only):
+        """Every task, or these, in order, each in a process of its own."""
+        return [self._judge(task) for task in self.assignment.tasks if not only or task.id in only]
 
     def _judge(self, task):
-        result = Judgement(task, self.released.points[task.name], [])
+        result = Judgement(task, self.points[task.id], [])
+        if result.points == 0:
+            settle(result)
+            return result
         if task.name not in self.read.changed:
             result.status = "not_attempted"
             present = task.name in self.read.cells
@@ -146,17 +152,29 @@ class _Session:
             result.rounds.append(round_)
 
 
-def _rejected(name, student, message, level):
+def merged(before, result) -> dict:
+    """A result with the tasks of `result` in place of those that `before` had, everything else summed anew."""
+    new = {record["id"]: record for record in result["checks"]}
+    return result | summed([new.get(record["id"], record) for record in before["checks"]])
+
+
+def _points(assignment, points):
+    """Points by task id: as released, but where the instructor says otherwise."""
+    released = submission.release_of(assignment.name).points
+    return {task.id: float(points.get(task.id, released[task.name])) for task in assignment.tasks}
+
+
+def _rejected(name, student, message, level, points):
     """The result of a file that is no submission: its tasks with 0, none where it names no assignment."""
     tasks = []
     if name != "unknown":
-        points = submission.release_of(name).points
+        worth = _points(checks.assignment(name), points)
         tasks = [
-            check_record(Judgement(task, points[task.name], [], "not_attempted", message="the file was rejected"))
+            check_record(Judgement(task, worth[task.id], [], "not_attempted", message="the file was rejected"))
             for task in checks.assignment(name).tasks
         ]
     return {
         "schema": 1, "assignment": name, "student": student, "status": "rejected", "message": message, "score": 0.0,
         "max_score": rounded(sum(t["max_score"] for t in tasks)), "isolation": level, "wall_seconds": 0.0,
-        "peak_memory_mb": 0.0, "checks": tasks, "record": {"course_version": framework.__version__},
+        "peak_memory_mb": 0.0, "checks": tasks, "record": versions(),
     }  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import hmac
 import math
+import platform
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -115,7 +116,9 @@ def settle(result):
     fraction = sum(r.weight * r.fraction for r in result.rounds)
     result.score = rounded(result.points * fraction)
     broken = next((f for f in failures if f.status in UNJUDGED), None)
-    if broken is not None:
+    if result.points == 0 and not result.rounds:
+        result.status, result.message = "not_attempted", "it does not count in this course"
+    elif broken is not None:
         result.status, result.message = broken.status, broken.message
     elif fraction >= 1 - 1e-9:
         result.status, result.message = "pass", "all measures lie within their tolerances"
@@ -145,20 +148,33 @@ def _first_miss(rounds):
 
 def result_of(read, student, level, judgements) -> dict:
     """The result of a submission as the contract describes it, from its judged tasks."""
-    records = [check_record(j) for j in judgements]
-    status = _status(judgements)
-    message = next(j.message for j in judgements if j.status == status) if status in UNJUDGED else ""
+    peak = round(max((j.peak_memory_mb for j in judgements), default=0.0), 1)
     return {
-        "schema": 1, "assignment": read.assignment, "student": student, "status": status, "message": message,
-        "score": rounded(sum(r["score"] for r in records)), "max_score": rounded(sum(r["max_score"] for r in records)),
-        "isolation": level, "wall_seconds": 0.0,
-        "peak_memory_mb": round(max((j.peak_memory_mb for j in judgements), default=0.0), 1), "checks": records,
-        "record": {"sha256": read.sha256, "notebook_version": read.version, "course_version": framework.__version__},
+        "schema": 1, "assignment": read.assignment, "student": student,
+        **summed([check_record(j) for j in judgements]), "isolation": level, "wall_seconds": 0.0, "peak_memory_mb": peak,
+        "record": {"sha256": read.sha256, "notebook_version": read.version, **versions()},
     }  # fmt: skip
 
 
-def _status(judgements):
-    states = [j.status for j in judgements]
+def summed(records) -> dict:
+    """The part of a result that follows from its tasks' entries, and they."""
+    status = _status([record["status"] for record in records])
+    message = next(r["message"] for r in records if r["status"] == status) if status in UNJUDGED else ""
+    return {
+        "status": status, "message": message, "score": rounded(sum(r["score"] for r in records)),
+        "max_score": rounded(sum(r["max_score"] for r in records)), "checks": records,
+    }  # fmt: skip
+
+
+def versions() -> dict:
+    """What a mark depends on besides the notebook and the secret."""
+    return {
+        "course_version": framework.__version__, "python": platform.python_version(), "numpy": np.__version__,
+        "tolerances": checks.tolerances_id(),
+    }  # fmt: skip
+
+
+def _status(states):
     if all(state == "not_attempted" for state in states):
         return "not_attempted"
     if any(state in ("pass", "partial", "fail", "error") for state in states):
@@ -184,8 +200,20 @@ def check_record(judgement):
         "images": {"yours": None, "reference": None, "difference": None},
         "title": judgement.task.asks, "cpu_seconds": round(judgement.cpu_seconds, 3),
         "traceback": failure.traceback if failure else "", "prints": judgement.printed,
-        "measures": _merged(judgement),
+        "measures": _merged(judgement), "inputs": _inputs_id(judgement),
     }  # fmt: skip
+
+
+def _inputs_id(judgement):
+    """Tells the inputs of a task's rounds, to see later that a mark was made from the same ones."""
+    digest = hashlib.sha256()
+    for round_ in judgement.rounds:
+        for name, arguments, _ in round_.calls:
+            digest.update(name.encode())
+            for argument in arguments:
+                value = getattr(argument, "pixels", argument)
+                digest.update(b"" if callable(value) else np.asarray(value, dtype=float).tobytes())
+    return digest.hexdigest()[:16]
 
 
 def _merged(judgement):

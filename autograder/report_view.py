@@ -49,12 +49,13 @@ def results(out):
         if student.is_dir(follow_symlinks=False):
             for path in sorted((folder / student.name).glob("*.json")):
                 try:
-                    yield path, _read(path), ""
+                    yield path, read(path), ""
                 except (OSError, ValueError) as reason:
                     yield path, None, text(str(reason), 300)
 
 
-def _read(path):
+def read(path):
+    """The result in a file; ValueError where it is none."""
     if path.is_symlink() or not path.is_file():
         raise ValueError("not a regular file")
     if path.stat().st_size > RESULT_BYTES:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -12,6 +13,7 @@ from autograder import checks
 
 ROOT = Path(__file__).resolve().parents[1]
 MAX_BYTES = 30 << 20
+RELEASE = re.compile(r"\d{1,4}\.\d{1,4}\.\d{1,4}")
 TOO_LARGE = f"the file is larger than {MAX_BYTES >> 20} MB: clear the notebook's outputs and hand it in again"
 
 
@@ -71,7 +73,17 @@ def read(path, assignment=None) -> Submission:
     course = notebook.get("metadata", {}).get("course", {})
     version = course.get("version") if isinstance(course, dict) else None
     version = version.encode("ascii", "replace").decode()[:40] if isinstance(version, str) else ""
+    if RELEASE.fullmatch(version) and _release(version) != _release(released.version):
+        raise Rejected(
+            f"the notebook was made from release {version} of the course, and this grader judges release "
+            f"{released.version}: hand it in on that release's notebook, or grade it with the course of {version}"
+        )
     return Submission(assignment, version, sources, answers, frozenset(changed), hashlib.sha256(block).hexdigest())
+
+
+def _release(version):
+    """What of a version changes when tasks do: 0.1 of 0.1.3."""
+    return version.split(".")[:2]
 
 
 def named_in(block, stem) -> str | None:

@@ -8,6 +8,7 @@ answer comes from `trial.expected`: the reference where the solutions are at han
 from __future__ import annotations
 
 import functools
+import hashlib
 import importlib
 import json
 from collections.abc import Callable, Iterator
@@ -231,6 +232,11 @@ def _refuse_not_finite(function, value, arguments):
 @functools.cache
 def _tolerances():
     return json.loads((HERE.parent / "references" / "tolerances.json").read_text(encoding="utf-8"))
+
+
+def tolerances_id() -> str:
+    """Tells one set of tolerances from another."""
+    return hashlib.sha256(json.dumps(_tolerances(), sort_keys=True).encode()).hexdigest()[:12]
 
 
 def tolerance(task_id, name) -> dict:
