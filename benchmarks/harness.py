@@ -5,7 +5,6 @@ with `TITLE` and `series()` where growth is what is asked.
 """
 
 import csv
-import functools
 import importlib
 import math
 import os
@@ -161,7 +160,10 @@ def _figure(path):
 
 
 def _by_method(rows):
-    return functools.reduce(lambda found, row: {**found, row["method"]: [*found.get(row["method"], []), row]}, rows, {})
+    found: dict[str, list] = {}
+    for row in rows:
+        found.setdefault(row["method"], []).append(row)
+    return found
 
 
 def _plot(path, technique, rows):

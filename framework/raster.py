@@ -12,6 +12,7 @@ import numpy as np
 
 from framework import raster_grid_kernels as grid
 from framework import raster_kernels as kernels
+from framework import recycle
 from framework.arrays import as_positive
 from framework.resolve_kernel import resolve
 
@@ -58,7 +59,7 @@ class GBuffer:
         sizes = {"depth": (), "barycentric": (3,), "position": (3,), "normal": (3,), "uv": (2,)}
         wanted = [name for name in names if not (name == "uv" and mesh.uv is None)]
         out = {
-            name: np.empty((height, width, *size) if name in wanted else (0, 0, *size))
+            name: recycle.empty((height, width, *size) if name in wanted else (0, 0, *size))
             for name, size in sizes.items()
         }
         none = np.zeros((0, 3))
