@@ -7,6 +7,7 @@ where that has not been done on this machine, all of them.
 """
 
 import functools
+import json
 import os
 import subprocess
 import sys
@@ -33,13 +34,10 @@ def kernel_modules():
 def folder():
     """Where this installation's compiled code lies, by the hash of all that it depends on: a Path."""
     import hashlib
-    import importlib.metadata
 
     import platformdirs
 
-    packages = ("numba", "llvmlite", "numpy")
-    parts = [sys.version, _processor(), str(_ROOT), *(importlib.metadata.version(name) for name in packages)]
-    digest = hashlib.sha256("\n".join(parts).encode())
+    digest = hashlib.sha256("\n".join(_surroundings()).encode())
     for name in sorted(kernel_modules()):
         digest.update(name.encode() + _source(name).read_bytes())
     root = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("envmap-course", appauthor=False)
@@ -70,9 +68,10 @@ def prepare():
         with open(folder() / "lock", "w") as lock:
             _wait_for(lock)
             if not is_complete():
-                _compile_all(kernel_modules())
+                keys = _keys()
+                _compile_all([name for name in keys if not _take_over(name, keys[name])])
                 _remove_unused()
-                _marker().touch()
+                _marker().write_text(json.dumps(keys))
 
 
 class _BeforeTheFirstKernel:
@@ -94,6 +93,14 @@ def _marker():
 
 def _source(name):
     return _ROOT.joinpath(*name.split(".")).with_suffix(".py")
+
+
+def _surroundings():
+    """What all compiled code depends on."""
+    import importlib.metadata
+
+    versions = [importlib.metadata.version(name) for name in ("numba", "llvmlite", "numpy")]
+    return [sys.version, _processor(), str(_ROOT), *versions]
 
 
 def _processor():
@@ -142,6 +149,41 @@ def _warm_apart(name):
     if done.returncode:
         said = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
         warnings.warn(f"{name} could not be compiled: {said[-1]}", stacklevel=1)
+
+
+def _keys():
+    """Of each kernel module, the hash of what its compiled code depends on: its source, and those of kernels it names."""
+    import hashlib
+
+    sources = {name: _source(name).read_bytes() for name in kernel_modules()}
+    keys = {}
+    for name in sources:
+        needed, new = {name}, [name]
+        while new:
+            text = sources[new.pop()]
+            found = [other for other in sources if other.rpartition(".")[2].encode() in text and other not in needed]
+            needed.update(found)
+            new += found
+        digest = hashlib.sha256("\n".join(_surroundings()).encode())
+        for other in sorted(needed):
+            digest.update(other.encode() + sources[other])
+        keys[name] = digest.hexdigest()
+    return keys
+
+
+def _take_over(name, key):
+    """Copy a module's compiled code from the folder of other sources, where it is the same there; whether it was."""
+    import shutil
+
+    for marker in folder().parent.glob("compiled-*/complete"):
+        text = marker.read_text()
+        if text and json.loads(text).get(name) == key:
+            for path in marker.parent.glob(f"*/{name.rpartition('.')[2]}.*"):
+                home = folder() / path.parent.name
+                home.mkdir(exist_ok=True)
+                shutil.copyfile(path, home / path.name)
+            return True
+    return False
 
 
 def _copy(warm):

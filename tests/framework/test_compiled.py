@@ -114,6 +114,29 @@ def test_a_changed_source_another_version_and_another_place_have_a_cache_of_thei
     assert keys[0] == keys[1] and len(set(keys)) == 4
 
 
+def test_a_module_is_keyed_by_the_kernels_that_it_names_and_by_no_others(monkeypatch, tmp_path):
+    before = compiled._keys()
+    changed = tmp_path / "changed.py"
+    changed.write_text("# changed")
+    original = compiled._source
+    monkeypatch.setattr(compiled, "_source", lambda name: changed if name.endswith("raster_grid_kernels") else original(name))
+    differing = {name for name, key in compiled._keys().items() if key != before[name]}
+    assert {"framework.raster_grid_kernels", "framework.raster_kernels", "framework.resolve_kernel"} <= differing
+    assert "framework.lookup_kernel" not in differing
+
+
+def test_compiled_code_of_unchanged_modules_is_taken_over(monkeypatch, tmp_path):
+    home = tmp_path / "compiled-old" / "framework_x"
+    home.mkdir(parents=True)
+    for name in ("a_kernel.f-1.py311.nbi", "b_kernel.f-1.py311.nbi"):
+        (home / name).touch()
+    (tmp_path / "compiled-old" / "complete").write_text('{"framework.a_kernel": "k", "framework.b_kernel": "k"}')
+    (tmp_path / "compiled-new").mkdir()
+    monkeypatch.setattr(compiled, "folder", lambda: tmp_path / "compiled-new")
+    assert compiled._take_over("framework.a_kernel", "k") and not compiled._take_over("framework.b_kernel", "other")
+    assert [path.name for path in (tmp_path / "compiled-new").rglob("*.*")] == ["a_kernel.f-1.py311.nbi"]
+
+
 def test_folders_that_nobody_asked_for_in_a_month_are_removed(monkeypatch, tmp_path):
     for name in ("compiled-old", "compiled-new", "compiled-mine", "other"):
         (tmp_path / name).mkdir()
