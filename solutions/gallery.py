@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import html
+import json
 import sys
 import time
 import warnings
@@ -11,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 import framework as fw
-from solutions import sphere_tracing
+from framework.scene_file import EXAMPLES
+from solutions import environment_shadows, fast, soft_shadows, sphere_tracing, split_sum
 
 CAMERA = dict(position=[4.5, 3.5, 6.0], target=[0, 0.5, 0], up=[0, 1, 0], fov_y=0.9272952180016122)
 DATA = Path(fw.__file__).parent / "data"
@@ -61,7 +64,9 @@ def mirrors(width=480, height=320):
     camera = fw.Camera([0, 3.6, 10.5], [0, 1.0, 0], [0, 1, 0], 0.55)
     teapot = fw.load_mesh(DATA / "teapot.obj")
     low, high = teapot.vertices.min(axis=0), teapot.vertices.max(axis=0)
-    to_y_up = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]) if high[2] - low[2] < high[1] - low[1] else np.eye(3)
+    to_y_up = (
+        np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]) if high[2] - low[2] < high[1] - low[1] else np.eye(3)
+    )
     vertices = (teapot.vertices - 0.5 * (low + high)) @ to_y_up.T * (3.6 / (high - low).max())
     teapot = fw.Mesh(vertices + [-1.9, 1.0, 0], teapot.faces)
     bumpy = fw.mesh.bumpy_sphere(60_000)
@@ -98,11 +103,30 @@ def environment_three_ways(width=480, height=320):
     return fw.tone_map(canvas, exposure=-0.5, method="filmic")
 
 
+def _example(name):
+    """A function that renders one of the framework's scenes with the compiled twins, where there are any."""
+    scene_of = functools.cache(lambda: _quietly(lambda: fw.load_scene(name)))
+    functions = [fast, split_sum, soft_shadows, environment_shadows, sphere_tracing]
+
+    def draw(width=480, height=320):
+        large, tall = OVERSAMPLING * width, OVERSAMPLING * height
+        image, _ = _quietly(lambda: fw.render_scene(scene_of(), large, tall, functions))
+        shown = fw.tone_map(image, method="filmic")
+        return shown.reshape(height, OVERSAMPLING, width, OVERSAMPLING, 3).mean(axis=(1, 3))
+
+    draw.__doc__ = json.loads((EXAMPLES / f"{name}.json").read_text(encoding="utf-8"))["about"]
+    return draw
+
+
 PICTURES = {
     "traced_scene": traced_scene,
     "march_cost": march_cost,
     "mirrors": mirrors,
     "environment_three_ways": environment_three_ways,
+    **{
+        name: _example(name)
+        for name in ("roughness", "penumbra", "three_lamps", "meeting", "fields", "teapot")
+    },
 }
 
 
@@ -127,7 +151,9 @@ def render(folder, progress=True) -> Path:
         if progress:
             print(f"  {name}: {time.perf_counter() - begun:.1f} s", file=sys.stderr)
         caption = html.escape(" ".join((draw.__doc__ or "").split()))
-        figures.append(f'<figure><img src="{name}.png" alt="{name}"><figcaption>{caption}</figcaption></figure>')
+        figures.append(
+            f'<figure><img src="{name}.png" alt="{name}"><figcaption>{caption}</figcaption></figure>'
+        )
     page = folder / "index.html"
     page.write_text(_PAGE.format("\n".join(figures)), encoding="utf-8")
     return page
@@ -148,9 +174,14 @@ figure {{ margin: 0 }} img {{ width: 100%; height: auto; border-radius: 4px }} f
 
 
 def _sky():
-    with warnings.catch_warnings():  # a lossy file rings below zero beside the sun: known, and set to 0
-        warnings.simplefilter("ignore")
-        return fw.Environment.load(DATA / "sky_512x256.exr")
+    return _quietly(lambda: fw.Environment.load(DATA / "sky_512x256.exr"))
+
+
+def _quietly(function):
+    """What it returns. Known warnings: lossy files ring below zero beside the sun; the teapot's mesh is open."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        return function()
 
 
 def _nine_shapes():
