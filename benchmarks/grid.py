@@ -33,7 +33,7 @@ def rows(resolutions=RESOLUTIONS, map_sizes=MAP_SIZES, triangles=66_000):
         shapes.torus(0.6, 0.25, 256, 128),
     ]
     places = np.array([[-1.3, 0.0, 0.0], [1.3, 0.0, 0.0], [0.0, 1.1, 0.0]])
-    moved = places + [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]
+    moved = places + [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, -0.1, 0.0]]
     before, after = _placed(objects, places), _placed(objects, moved)
     points = _near(before, 4000)
     truth = _distance(before, points)
