@@ -1,8 +1,12 @@
-"""Run time and error of `render_sdf`: `python benchmarks/sdf.py [SCENE.json]`.
+"""Run time and error of `render_sdf`: `python -m benchmarks.sdf [SCENE.json]`.
 
-Each time is the median of nine pictures of 512 x 512 pixels after a warm-up, position, normal and soft shadow. The
+Each time is the median of seven pictures of 512 x 512 pixels after a warm-up, position, normal and soft shadow. The
 peer, a fragment shader on Mesa's llvmpipe, draws in turn with it where moderngl is installed, without being read
 back. Errors are against a march fifty times tighter and, of the visibility, against `soft_shadow` at the same points.
+
+Measured on two cores: nine primitives 9.8 ms where the shader takes 25.7. Visibility differs from the reference's by
+4e-7 in the mean; of 16384 pixels none (nine) and one (500) sees something else than the tighter march, at a silhouette.
+At 10000 primitives half of the time goes into shadow rays, whose every step needs the nearest of many.
 """
 
 import sys
@@ -11,6 +15,7 @@ import time
 import numpy as np
 
 import framework as fw
+from benchmarks.peers.llvmpipe import draw_only
 from framework import sdf
 from solutions.fast import render_sdf
 from solutions.soft_shadows import soft_shadow
@@ -43,11 +48,11 @@ def in_space(count, seed=0):
     return sdf.union(sdf.plane((0, 1, 0), 0), *map(_object, range(count), centers, sizes))
 
 
-def on_floor(count, seed=0):
-    """Objects on a floor that cover the same part of it, however many they are."""
+def on_floor(count, extent=3.0, size=None, seed=0):
+    """Objects on a floor that cover the same part of it, however many they are: smaller, or on more of it."""
     rng = np.random.default_rng(seed)
-    size = 1.2 / np.sqrt(count)
-    centers = rng.uniform((-3, 0, -3), (3, 0, 3), (count, 3)) + (0, size, 0)
+    size = size or 0.4 * extent / np.sqrt(count)
+    centers = rng.uniform((-extent, 0, -extent), (extent, 0, extent), (count, 3)) + (0, size, 0)
     return sdf.union(sdf.plane((0, 1, 0), 0), *map(_object, range(count), centers, np.full(count, size)))
 
 
@@ -63,17 +68,21 @@ def _object(i, center, size):
 def main(scene=None):
     scenes = {"nine": scene or nine(), "500 in space": in_space(500)}
     for name, field in scenes.items():
-        ours, peer = times(field, _llvmpipe())
+        ours, peer = times(field, draw_only)
         print(f"{name}: {ours:.1f} ms", end="")
         print(f", llvmpipe {peer:.1f} ms, ratio {ours / peer:.3f}" if peer else "")
-    growth = {count: times(on_floor(count))[0] for count in (10, 100, 1000, 10_000)}
-    print(*(f"{count} on a floor: {ms:.1f} ms" for count, ms in growth.items()), sep=", ", end="")
-    print(f"; 10 to 10000: {growth[10_000] / growth[10]:.2f} times")
+    for name, made in {
+        "smaller": on_floor,
+        "farther": lambda n: on_floor(n, 0.95 * np.sqrt(n), 0.38),
+    }.items():
+        growth = {count: times(made(count))[0] for count in (10, 100, 1000, 10_000)}
+        print(f"ever {name}:", ", ".join(f"{count} {ms:.1f} ms" for count, ms in growth.items()), end="")
+        print(f"; 10 to 10000: {growth[10_000] / growth[10]:.2f} times")
     for name, field in scenes.items():
         print(f"{name}:", ", ".join(f"{key} {value:.3g}" for key, value in errors(field, SIZE // 4).items()))
 
 
-def times(field, peer=None, frames=9):
+def times(field, peer=None, frames=7):
     """Medians in ms of `render_sdf` and of a peer that draws in turn with it, 0 for none."""
     ours, theirs = [], []
     for _ in range(frames + 1):
@@ -117,13 +126,6 @@ def _near_silhouette(t, jump=0.02):
     height, width = t.shape
     around = [t[r : height - 2 + r, c : width - 2 + c] for r in range(3) for c in range(3)]
     return np.ptp(around, axis=0) > jump
-
-
-def _llvmpipe():
-    sys.path.insert(0, __file__.rpartition("/")[0])
-    from peers.llvmpipe import draw_only
-
-    return draw_only
 
 
 if __name__ == "__main__":
