@@ -569,6 +569,29 @@ def area_light_shadow(sdf, origin, to_light, angular_radius, t_min, t_max, max_s
 #     print(f"{name}: {chosen.sum()} rays, {sum(evaluations)} evaluations")
 
 # %% [markdown]
+# ## What the picture did not need
+#
+# The fastest ray is the one that is never sent. `fw.render_scene` draws a scene with *your* functions, and
+# returns a plan beside the picture: for each pass what it cost, what was saved, and why. Here a ring floats
+# over a floor.
+#
+# Read the line `shadow 0`. The floor has thousands of points that face the lamp: why do most of them need no
+# ray? Move the ring lower, make the lamp larger with a smaller `k`, and say before you look which way the
+# number of rays will go.
+
+# %% tags=["active-ipynb"]
+# def ring_over_floor(height, k):
+#     ring = fw.sdf.torus((0, height, 0), 0.5, 0.14)
+#     floor = fw.SceneObject(fw.mesh.plane(8.0), fw.Material(r0=0, albedo=0.7), casts=ring)
+#     camera = fw.Camera((2.5, 3.0, 3.5), (0, 0.2, 0), (0, 1, 0), 0.6)
+#     return fw.Scene(camera, [floor], lights=[fw.Light((-0.8, 1.0, 0.4), 0.9 * k**2, k)], reach=8.0)
+#
+#
+# picture, plan = fw.render_scene(ring_over_floor(height=0.9, k=8), 180, 120, globals())
+# fw.show.image(picture)
+# print(plan)
+
+# %% [markdown]
 # ## A question
 #
 # Answer in a few sentences of your own, in the cell below (2 points, read by a person):
