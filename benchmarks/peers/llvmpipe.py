@@ -2,7 +2,7 @@
 
 Needs moderngl (extra `bench`) and Mesa's EGL (Debian: libegl1 libgl1-mesa-dri). The shader is what one would write
 for the scene by hand: the tree inlined, one thread per pixel, a march to a pixel's radius, tetrahedral normals, the
-shadow of `soft_shadow`. Scenes of many primitives are loops over a uniform buffer per kind.
+shadow of `soft_shadow`. Scenes of many primitives are loops over uniform arrays, one per kind.
 """
 
 import functools
@@ -78,12 +78,15 @@ def _target(context, width, height):
 
 @functools.cache
 def _program(scene, context):
-    body, loops = _field(scene)
-    return context.program(
+    body, loops, uniforms = _field(scene)
+    program = context.program(
         vertex_shader="""#version 330
 void main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }""",
         fragment_shader=_SHADER.replace("LOOPS", loops).replace("FIELD", body),
     )
+    for name, values in uniforms.items():
+        program[name].write(values.tobytes())
+    return program
 
 
 _SHADER = """#version 330
@@ -145,8 +148,8 @@ void main() {
 
 
 def _field(scene):
-    """The field as a GLSL expression, and the functions that it needs for unions of many primitives."""
-    loops = []
+    """The field as a GLSL expression, the functions that it needs for unions of many primitives, and their uniforms."""
+    loops, uniforms = [], {}
 
     def vec(v):
         return "vec3(" + ", ".join(f"{float(c)!r}" for c in v) + ")"
@@ -179,8 +182,8 @@ def _field(scene):
             arrays, arguments = [], []
             for i, first in enumerate(calls[0]):
                 glsl = "vec3" if isinstance(first, tuple) else "float"
-                values = ", ".join(vec(c[i]) if glsl == "vec3" else repr(float(c[i])) for c in calls)
-                arrays.append(f"const {glsl} {name}_{i}[{count}] = {glsl}[{count}]({values});")
+                uniforms[f"{name}_{i}"] = np.array([call[i] for call in calls], "f4")
+                arrays.append(f"uniform {glsl} {name}_{i}[{count}];")
                 arguments.append(f"{name}_{i}[i]")
             loops.append(
                 "\n".join(arrays)
@@ -191,7 +194,7 @@ def _field(scene):
         return functools.reduce("min({}, {})".format, parts)
 
     body = text(scene)
-    return body, "\n".join(loops)
+    return body, "\n".join(loops), uniforms
 
 
 _CALLS = {
