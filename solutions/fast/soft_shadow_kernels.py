@@ -11,11 +11,12 @@ from solutions.fast.sdf_shadow_kernels import shadow
 def soft_shadows(thread, threads, tape, depth, origin, light, visibility):
     """Fill one thread's batches of `visibility` (N,) float64 for rays from `origin` (N, 3)."""
     work = workspace(tape[0], tape[3], depth)
-    rows, lane = np.empty((8 + 32, BATCH), np.float32), np.zeros((2, BATCH), np.int32)
+    rows, lane = np.empty((8 + 32, BATCH), np.float32), np.zeros((4, BATCH), np.int32)
     px, py, pz, nx, ny, nz, seen = rows[32], rows[33], rows[34], rows[35], rows[36], rows[37], rows[38]
     # The rays leave no part of the scene: a normal so slanted that no part is taken for the one they leave.
     cosine = 0.5 / light[3]
     for i in range(BATCH):
+        lane[1, i] = 4 * i // BATCH  # many are cut in four: neighbours stay together
         nx[i], ny[i], nz[i] = cosine * light[0], cosine * light[1], cosine * light[2]
     for start in range(thread * BATCH, origin.shape[0], threads * BATCH):
         n, middle = min(BATCH, origin.shape[0] - start), origin[start]
@@ -23,7 +24,7 @@ def soft_shadows(thread, threads, tape, depth, origin, light, visibility):
             px[i] = origin[start + i, 0] - middle[0]
             py[i] = origin[start + i, 1] - middle[1]
             pz[i] = origin[start + i, 2] - middle[2]
-        shadow(tape, middle, light, px, py, pz, nx, ny, nz, lane[0], n, seen, rows[:32], lane[1], work)
+        shadow(tape, middle, light, px, py, pz, nx, ny, nz, lane[0], lane[1], 1, n, seen, rows[:32], lane[2], lane[3], work)
         for i in range(n):
             visibility[start + i] = seen[i]
 
