@@ -33,5 +33,5 @@ def microfacet_brdf(normal, view, to_light, r0, alpha):
 
     normal, view = (np.ascontiguousarray(v, dtype=float) for v in (normal, view))
     toward, color = np.array(to_light, dtype=float), np.empty(shape)
-    microfacet(normal, view, toward, np.broadcast_to(r0, 3).astype(float), float(alpha), color)
+    microfacet(normal, view, toward, np.broadcast_to(r0, 3).astype(float), max(float(alpha), 1e-4), color)
     return color

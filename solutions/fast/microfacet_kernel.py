@@ -14,7 +14,8 @@ def microfacet(normal, view, light, r0, alpha, out):
         nx, ny, nz = normal[i, 0], normal[i, 1], normal[i, 2]
         vx, vy, vz = view[i, 0], view[i, 1], view[i, 2]
         cos_i, cos_o = nx * lx + ny * ly + nz * lz, nx * vx + ny * vy + nz * vz
-        if not (cos_i > 0.0 and cos_o > 0.0):
+        # Flatter than 1e-30 is at the horizon: there the squares of the half vector would vanish.
+        if not (cos_i > 1e-30 and cos_o > 1e-30):
             out[i, 0] = out[i, 1] = out[i, 2] = 0.0
             continue
         hx, hy, hz = vx + lx, vy + ly, vz + lz

@@ -27,3 +27,13 @@ def test_whatever_else_the_contract_allows_is_left_to_the_reference():
     expected = split_sum.microfacet_brdf(NORMAL, VIEW, TO_LIGHT, 0.5, alpha)
     assert_array_equal(microfacet_brdf(NORMAL, VIEW, TO_LIGHT, 0.5, alpha), expected)
     assert microfacet_brdf(np.empty((0, 3)), np.empty((0, 3)), TO_LIGHT, 0.5, 0.5).shape == (0, 3)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 1e-8, 1e-4, 1.0])
+def test_mirrors_and_directions_opposed_at_the_horizon_stay_finite(alpha):
+    view = fw.normalize([[1.0, 0.0, 1e-170], [1.0, 0.0, 1e-9], [0.0, 0.0, 1.0]])
+    up = np.broadcast_to([0.0, 0.0, 1.0], view.shape)
+    for light in view * [-1, 1, 1]:
+        found = microfacet_brdf(up, view, light, 0.5, alpha)
+        assert np.isfinite(found).all()
+        assert_allclose(found[1:], split_sum.microfacet_brdf(up, view, light, 0.5, alpha)[1:], rtol=1e-6, atol=1e-25)
