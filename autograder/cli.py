@@ -86,6 +86,14 @@ def _parser():
     calibrate.add_argument("--write", action="store_true", help="put the figures into tolerances.json")
     calibrate.set_defaults(run=_calibrate)
 
+    stress = commands.add_parser(
+        "stress", help="the numerical-stability sweeps, as a table",
+        description="Sweep every function over inputs that break fragile code; measure errors and invariants against bounds.",
+        epilog="exit code: 0 all bounds hold, 1 one does not, 2 wrong arguments",
+    )  # fmt: skip
+    stress.add_argument("name", nargs="?", metavar="NAME", help="one sweep; by default all")
+    stress.set_defaults(run=_stress)
+
     doctor = commands.add_parser("doctor", help="what this machine has, what is missing, how to get it")
     doctor.set_defaults(run=_doctor)
     return parser
@@ -209,6 +217,28 @@ def _calibrate(options):
     if options.write:
         calibration_report.write(tables)
     return 1 if any(table.problems for table in tables) else 0
+
+
+def _stress(options):
+    from tqdm import tqdm
+
+    from solutions import stress
+
+    if options.name is not None and options.name not in stress.SWEEPS:
+        raise Usage(f"there is no sweep {options.name!r}; there are {', '.join(stress.SWEEPS)}")
+    compile_first()
+    rows = []
+    for name in [options.name] if options.name else stress.SWEEPS:
+        with tqdm(stress.sweep(name), desc=name, unit="claim", leave=False) as bar:
+            found = list(bar)
+        print(f"{name}: {stress.SWEEPS[name]}", *(f"  {line}" for line in stress.table(found)), "", sep="\n", flush=True)
+        rows += found
+    broken, points = [row for row in rows if not row.holds], sum(row.points for row in rows)
+    nonfinite = sum(row.nonfinite for row in rows)
+    print(f"{points:,} points, {nonfinite} outputs not finite, {len(broken)} of {len(rows)} bounds broken")
+    for row in broken:
+        print(f"  {row.function}, {row.claim}: {row.worst:.2g}, of at most {row.bound:.2g}; {row.nonfinite} not finite")
+    return 1 if broken else 0
 
 
 def _doctor(options):
