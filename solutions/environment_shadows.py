@@ -558,7 +558,8 @@ def shade_with_shadows(light, sdf, p, normal, view, r0, roughness, albedo, t_max
 # plt.show()
 
 # %% [markdown]
-# Where are they wrong? Purple is too dark, orange too bright, in parts of the scene's mean light; all on one scale.
+# Where are they wrong? Purple is too dark, orange too bright, in parts of the scene's mean light, white is right and
+# grey the sky behind; all on one scale.
 
 # %% tags=["active-ipynb"]
 # fig, axes = plt.subplots(2, len(methods), figsize=(12.5, 3.4), layout="constrained")
@@ -568,6 +569,7 @@ def shade_with_shadows(light, sdf, p, normal, view, r0, roughness, albedo, t_max
 #         picture[mask] = (answers[case, name] - truth).mean(axis=1) / truth.mean()
 #         shown = axis.imshow(picture, cmap="PuOr_r", vmin=-0.5, vmax=0.5)
 #         axis.set_title(name if case == "clear sky" else "", fontsize=9)
+#         axis.set_facecolor("0.75")
 #         axis.set_xticks([])
 #         axis.set_yticks([])
 #     row[0].set_ylabel(case, fontsize=9)

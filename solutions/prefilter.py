@@ -146,6 +146,24 @@ def sample_ggx(xi, alpha):
 # The denominator is $\pi$. Divide by the *sum* of your weights rather than by $\pi$, and a constant sky
 # comes out exactly constant.
 #
+# Here is what is added up for one normal, which points up and to the side: the light, the cosine, and their product.
+
+# %% tags=["active-ipynb"]
+# def side_by_side(pictures, titles, exposure):
+#     fig, axes = plt.subplots(1, len(pictures), figsize=(11, 2.4), layout="constrained")
+#     for axis, picture, title in zip(axes, pictures, titles):
+#         axis.imshow(np.clip(exposure * picture, 0, 1) ** (1 / 2.2))
+#         axis.set_title(title, fontsize=9)
+#         axis.axis("off")
+#     plt.show()
+#
+#
+# n = fw.normalize([0.6, 0.5, 0.6])
+# cosine = np.clip(sky.directions() @ n, 0, None)[..., None]
+# pictures = [sky.pixels, np.repeat(cosine, 3, axis=2), sky.pixels * cosine]
+# side_by_side(pictures, ["light L", "cosine, 0 below the horizon", "what the sum adds up: L times cosine"], exposure=0.5)
+
+# %% [markdown]
 # Make a map of it: one pixel for each normal, laid out like an environment.
 # `fw.skies.constant(height).directions()` has the normals. No randomness is needed. The map has 2048
 # pixels, and for each normal you may add up all of them: radiance, times the pixel's solid angle, times the
@@ -287,8 +305,9 @@ def prefilter(env, alpha, height, samples):
 # check("3.3")
 
 # %% tags=["active-ipynb"]
-# for roughness in (0.2, 0.4, 0.7):
-#     fw.show.image(prefilter(sky, roughness**2, 16, 256), title=f"roughness {roughness}")
+# roughnesses = (0.2, 0.4, 0.7)
+# blurred = [prefilter(sky, roughness**2, 16, 256) for roughness in roughnesses]
+# side_by_side(blurred, [f"roughness {roughness}" for roughness in roughnesses], exposure=0.5)
 
 # %% [markdown]
 # At roughness 1 the lobe becomes a well-known one. $D$ is constant, and the weight is $n \cdot l$: the
@@ -302,37 +321,63 @@ def prefilter(env, alpha, height, samples):
 # ### Noise, and fireflies
 #
 # How many samples does it take? Here is importance sampling by itself, in one direction and with random
-# points. The error falls with the square root of their number: for one digit more, a hundred times the
-# work.
+# points, under this sky as a camera would have clipped it, at a hundredth of the sun. Beside it are directions
+# spread evenly over the hemisphere, weighted by the lobe. In the end both errors fall with the square root of
+# the number of samples: for one digit more, a hundred times the work. But even directions mostly land where
+# the lobe is dim, and it takes about twenty of them to do the work of one from the facets.
 #
-# But look at the second line. It is the same sky with its one brightest pixel a hundred times as bright,
-# like a sun that was not clipped by the camera. A few samples hit it and give far too much, the others miss
-# it and give too little. Neighbouring pixels of the map disagree, and in a picture that looks like bright
-# dots: **fireflies**. Not because the method is wrong, on average it is right; but the average of few
-# samples has an enormous spread if one direction in thousands carries most of the light.
+# Now look at the third line. It is the sky as it is, its one brightest pixel not clipped. A few samples hit
+# it and give far too much, the others miss it and give too little.
 
 # %% tags=["active-ipynb"]
-# def spread_of_means(env, alpha, samples):
-#     rng, repeats = np.random.default_rng(0), 2**16 // samples
-#     n = fw.normalize([0.3, 0.7, -0.5])
-#     h = sample_ggx(rng.random((samples * repeats, 2)), alpha)
+# def facet_directions(xi, alpha):
+#     h = sample_ggx(xi, alpha)
 #     l = 2 * h[:, 2:] * h - [0, 0, 1]
-#     weight = np.clip(l[:, 2:], 0, None).reshape(repeats, samples, 1)
-#     radiance = env.radiance(l @ np.stack([*fw.orthonormal_frame(n), n])).reshape(repeats, samples, 3)
-#     means = ((weight * radiance).sum(axis=1) / weight.sum(axis=1))[:, 1]
-#     return means.std() / means.mean()
+#     return l, np.clip(l[:, 2], 0, None)
 #
 #
-# brighter = sky.pixels.copy()
-# brighter[luminance == luminance.max()] *= 100
-# counts = [4, 16, 64, 256]
-# for env, label in ((sky, "this sky"), (fw.Environment(brighter), "its sun 100 times as bright")):
-#     plt.loglog(counts, [spread_of_means(env, 0.16, count) for count in counts], "o-", label=label)
-# plt.loglog(counts, 2 / np.sqrt(counts), "k:", label="1 / sqrt(samples)")
+# def even_directions(xi, alpha):
+#     cosine, phi = xi[:, 0], 2 * np.pi * xi[:, 1]
+#     sine = np.sqrt(1 - cosine**2)
+#     density = alpha**2 / (1 + (alpha**2 - 1) * (1 + cosine) / 2) ** 2  # D up to a factor: cos(h)^2 = (1 + cos(l)) / 2
+#     return np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=1), density * cosine
+#
+#
+# def noisy_filter(env, n, alpha, samples, directions):
+#     l, weight = directions(np.random.default_rng(0).random((len(n) * samples, 2)), alpha)
+#     l = l.reshape(len(n), samples, 3) @ np.stack([*fw.orthonormal_frame(n), n], axis=1)
+#     radiance = env.radiance(l.reshape(-1, 3)).reshape(l.shape)
+#     weight = weight.reshape(len(n), samples, 1)
+#     return (weight * radiance).sum(axis=1) / weight.sum(axis=1)
+#
+#
+# def spread(env, directions):
+#     means = [noisy_filter(env, np.tile(n, (2**15 // count, 1)), 0.09, count, directions)[:, 1] for count in counts]
+#     return [values.std() / values.mean() for values in means]
+#
+#
+# clipped = fw.Environment(np.minimum(sky.pixels, luminance.max() / 100))
+# counts, n = np.array([4, 16, 64, 256]), fw.normalize([0.3, 0.7, -0.5])
+# plt.figure(figsize=(7, 3.8))
+# plt.loglog(counts, spread(clipped, even_directions), "o-", color="tab:green", label="clipped sky, even directions")
+# plt.loglog(counts, spread(clipped, facet_directions), "o-", color="tab:blue", label="clipped sky, from the facets")
+# plt.loglog(counts, spread(sky, facet_directions), "o-", color="tab:orange", label="with its sun, from the facets")
+# plt.loglog(counts, 2 / np.sqrt(counts), "k:", label="slope of 1 / sqrt(samples)")
 # plt.xlabel("samples")
 # plt.ylabel("standard deviation / mean")
-# plt.legend()
+# plt.legend(fontsize=8)
 # plt.show()
+
+# %% [markdown]
+# Neighbouring pixels of the map disagree, and in a picture that looks like bright dots: **fireflies**. Not
+# because the method is wrong, on average it is right; but the average of few samples has an enormous spread
+# if one direction in thousands carries most of the light.
+
+# %% tags=["active-ipynb"]
+# outputs = sky.directions().reshape(-1, 3)
+# few = [noisy_filter(env, outputs, 0.09, 16, facet_directions).reshape(sky.pixels.shape) for env in (clipped, sky)]
+# titles = ["16 random samples, clipped sky", "its sun 100 times as bright", "the same, by your prefilter"]
+# side_by_side([*few, prefilter(sky, 0.09, 32, 256)], titles, exposure=0.5)
 
 # %% [markdown]
 # Engines fight fireflies in three ways: they look up a coarser version of the map where samples are far
@@ -553,7 +598,16 @@ def classic_approximation(f, g, weights):
 # fw.show.image(render(300, 200))
 
 # %% [markdown]
-# One look-up where there were 128 directions, and no noise. Look at the rim: a real rough surface mirrors
+# What the look-up replaces can be counted. A trilinear one is two bilinear ones, one in each level.
+
+# %% tags=["active-ipynb"]
+# shaded = np.count_nonzero(fw.rasterize(ball, camera, 300, 200).mask)
+# ahead = 128 * sum(level.shape[0] * level.shape[1] for level in chain[1:])
+# print(f"128 samples of the lobe at each of {shaded:,} pixels: {128 * shaded:,} look-ups in every frame")
+# print(f"the chain: {2 * shaded:,} in every frame, and at most {ahead:,} once, ahead of time")
+
+# %% [markdown]
+# Two look-ups where there were 128 directions, and no noise. Look at the rim: a real rough surface mirrors
 # more and more light there, and its highlights stretch towards the viewer. Ours stay round, because the map
 # was made for someone who looks from straight above. The next notebook puts the first of the two right.
 #

@@ -317,13 +317,14 @@ def soft_shadow(sdf, origin, to_light, k, t_min, t_max, max_steps):
 #
 #
 # size = 160
-# fig, axes = plt.subplots(1, 3, figsize=(10.5, 3.4), layout="constrained")
+# fig, axes = plt.subplots(1, 3, figsize=(9.5, 3), layout="constrained")
 # for axis, k in zip(axes, (2, 8, 32)):
 #     visible = soft_shadow(objects, floor(size), to_light, k, t_min=0.02, t_max=8.0, max_steps=64)
 #     shown = axis.imshow(visible.reshape(size, size), cmap="gray", vmin=0, vmax=1)
 #     axis.set_title(f"k = {k}: a light of {np.degrees(np.arcsin(1 / k)):.1f}° radius", fontsize=10)
-#     axis.axis("off")
-# fig.colorbar(shown, ax=axes, label="visible part of the light", shrink=0.8)
+#     axis.set_xticks([])
+#     axis.set_yticks([])
+# fig.colorbar(shown, ax=axes, label="visible part of the light")
 # plt.show()
 
 # %% [markdown]

@@ -551,7 +551,8 @@ def sphere_trace(sdf, origin, direction, t_max, eps, max_steps):
 #
 #
 # def on_floor(p):
-#     return np.stack([p[..., 1], sdf_torus(p, (-0.7, 0.25, 0.2), 0.75, 0.25), sdf_sphere(p, (0.9, 0.6, -0.1), 0.6)])
+#     torus = sdf_torus(p, (-0.7, 0.25, 0.2), 0.75, 0.25)
+#     return np.stack([p[..., 1], torus, sdf_sphere(p, (0.9, 0.6, -0.1), 0.6)])
 #
 #
 # def field(p):
