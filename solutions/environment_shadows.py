@@ -100,6 +100,10 @@ import framework as fw
 #     position = np.choose(nearest[..., None], [one.position for one in seen])[mask]
 #     normal = fw.normalize(np.choose(nearest[..., None], [one.normal for one in seen])[mask])
 #     return mask, nearest[mask], position, normal, fw.normalize(camera.position - position)
+#
+#
+# mask, which, position, normal, view = visible_points(150, 100)
+# print(f"{len(position):,} points to shade, each under {light.env.solid_angles().size:,} pixels of sky")
 
 # %% [markdown]
 # ## 5.1 The brightest few
@@ -278,7 +282,6 @@ def ambient_visibility(sdf, p, normal, t_max):
 # check("5.2")
 
 # %% tags=["active-ipynb"]
-# mask, which, position, normal, view = visible_points(150, 100)
 # ambient = ambient_visibility(scene, position, normal, t_max)
 # image = np.zeros(mask.shape)
 # image[mask] = ambient

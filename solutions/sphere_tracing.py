@@ -564,7 +564,11 @@ def sphere_trace(sdf, origin, direction, t_max, eps, max_steps):
 # mask = np.any([one.mask for one in seen], axis=0)
 # p = np.choose(nearest[..., None], [one.position for one in seen])[mask]
 # print(f"the triangles lie within {np.abs(field(p)).max():.4f} of the field's surface")
-#
+
+# %% [markdown]
+# They do, as well as flat triangles can follow a curve. So your functions take over each pixel's point:
+
+# %% tags=["active-ipynb"]
 # normal = estimate_normal(field, p, 1e-4)
 # _, shadowed = sphere_trace(field, p + 1e-2 * normal, np.broadcast_to(to_sun, p.shape), 10.0, 1e-4, 100)
 # sun = np.clip(normal @ to_sun, 0, 1) * ~shadowed

@@ -119,7 +119,7 @@ def r0_from_ior(n1, n2):
 #     plt.plot(angle, fresnel_schlick(r0, np.cos(np.radians(angle))), label=f"{name}: R0 = {r0:.3f}")
 # plt.xlabel("angle to the normal, degrees")
 # plt.ylabel("reflectance")
-# plt.legend()
+# plt.legend(loc=(0.02, 0.47))
 # plt.show()
 
 # %% [markdown]
@@ -332,9 +332,10 @@ def microfacet_brdf(normal, view, to_light, r0, alpha):
 #     axis.set_theta_zero_location("N")
 #     axis.set_theta_direction(-1)
 #     axis.set_thetalim(-np.pi / 2, np.pi / 2)
+#     axis.set_thetagrids([-45, 0, 45])
 #     axis.set_yticks([])
 #     axis.set_title(f"light at {degrees} degrees", fontsize=9)
-# axes[2].legend(fontsize=7, loc="upper left")
+# axes[1].legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, 0.2), ncols=3)
 # plt.show()
 
 # %% [markdown]
@@ -866,12 +867,13 @@ def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
 #     image = 0.8 * light.env.radiance(wide.rays(width, height)[1])
 #     for i, mesh in enumerate(meshes):
 #         seen = fw.rasterize(mesh, wide, width, height)
-#         n = fw.normalize(seen.normal[seen.mask])
-#         v = fw.normalize(wide.position - seen.position[seen.mask])
+#         to_viewer = fw.normalize(wide.position - seen.position)
+#         mask = seen.mask & (np.sum(seen.normal * to_viewer, axis=-1) > 0)  # at the rim a few interpolated normals face away
+#         n, v = fw.normalize(seen.normal[mask]), to_viewer[mask]
 #         roughness = (i % 5) / 4
 #         r0, albedo = (gold, 0.0) if i < 5 else (clay, np.array([0.5, 0.22, 0.14]))
 #         color = shade_split_sum(n, v, r0, roughness, light.prefiltered, light.lut)
-#         image[seen.mask] = 0.8 * (color + albedo * light.irradiance(n))
+#         image[mask] = 0.8 * (color + albedo * light.irradiance(n))
 #     return image
 #
 #

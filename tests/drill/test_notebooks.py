@@ -19,18 +19,26 @@ pytestmark = pytest.mark.drill
 SECONDS_A_CELL, SECONDS_A_NOTEBOOK = 20, 180
 
 
-@pytest.fixture(scope="module", params=ASSIGNMENTS)
-def executed(request, tmp_path_factory):
-    """An assignment's name and its notebook as `jupyter nbconvert --execute` leaves it, in a folder of its own."""
-    name = request.param
-    folder = tmp_path_factory.mktemp(name)
+@pytest.mark.parametrize("name", ASSIGNMENTS)
+def test_a_filled_notebook_runs_in_order_shows_all_it_has_and_ends_in_a_mesh_and_one_question(name, tmp_path):
+    # One test a notebook, so that each is executed once, however many processes share the tests.
+    notebook = executed(name, tmp_path)
+    every_cell_ran_in_order_without_an_error_or_a_warning(notebook)
+    every_cell_that_shows_something_left_it_behind(notebook)
+    every_public_check_says_right(name, notebook)
+    no_cell_makes_the_reader_wait(name, notebook)
+    the_notebook_ends_in_a_mesh_and_one_question(notebook)
+
+
+def executed(name, folder):
+    """An assignment's notebook as `jupyter nbconvert --execute` leaves it in a folder of its own."""
     shutil.copytree(ROOT / "assignments" / name, folder, dirs_exist_ok=True)
     nbformat.write(filled_notebook(name), folder / f"{name}.ipynb")
     jupyter = Path(sys.executable).with_name("jupyter")
     command = [jupyter, "nbconvert", "--to", "notebook", "--execute", "--output", "done", f"{name}.ipynb"]
     result = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=SECONDS_A_NOTEBOOK)
     assert result.returncode == 0, result.stderr[-2000:]
-    return name, nbformat.read(folder / "done.ipynb", as_version=4)
+    return nbformat.read(folder / "done.ipynb", as_version=4)
 
 
 def code_cells(notebook):
@@ -52,8 +60,7 @@ def kinds(cell):
     return {kind for output in cell.outputs for kind in output.get("data", {output.get("name"): ""})}
 
 
-def test_every_cell_ran_in_order_without_an_error_or_a_warning(executed):
-    _, notebook = executed
+def every_cell_ran_in_order_without_an_error_or_a_warning(notebook):
     cells = code_cells(notebook)
     assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
     said = [output for cell in cells for output in cell.outputs if output.output_type == "error"]
@@ -63,8 +70,7 @@ def test_every_cell_ran_in_order_without_an_error_or_a_warning(executed):
     assert said == []
 
 
-def test_every_cell_that_shows_something_left_it_behind(executed):
-    _, notebook = executed
+def every_cell_that_shows_something_left_it_behind(notebook):
     silent = [
         cell.source
         for cell in code_cells(notebook)
@@ -76,16 +82,14 @@ def test_every_cell_that_shows_something_left_it_behind(executed):
             assert "image/png" in kinds(cell), cell.source
 
 
-def test_every_public_check_says_right(executed):
-    name, notebook = executed
+def every_public_check_says_right(name, notebook):
     checks = [cell for cell in code_cells(notebook) if cell.source.startswith("check(")]
     assert len(checks) == {"sphere_tracing": 7, "soft_shadows": 5, "prefilter": 6, "split_sum": 8}.get(name, 3)
     for cell in checks:
         assert "right, on the inputs that you can see" in str(cell.outputs), cell.source
 
 
-def test_no_cell_makes_the_reader_wait(executed):
-    name, notebook = executed
+def no_cell_makes_the_reader_wait(name, notebook):
     timed = [cell for cell in code_cells(notebook) if "compiling the renderer" not in str(cell.outputs)]
     slow = {cell.id: seconds(cell) for cell in timed if seconds(cell) > SECONDS_A_CELL}
     assert slow == {}
@@ -93,10 +97,10 @@ def test_no_cell_makes_the_reader_wait(executed):
     print(f"{name}: {sum(map(seconds, code_cells(notebook))):.1f} s, the longest {longest.id} {seconds(longest):.2f} s")
 
 
-def test_the_notebook_ends_in_a_mesh_and_one_question(executed):
-    name, notebook = executed
+def the_notebook_ends_in_a_mesh_and_one_question(notebook):
     code = code_cells(notebook)
-    assert any("fw.rasterize(" in cell.source for cell in code), name
-    assert "image/png" in kinds(code[-1])
+    assert any("fw.rasterize(" in cell.source for cell in code)
+    # After the picture comes at most one cell, which counts what it cost.
+    assert any("image/png" in kinds(cell) for cell in code[-2:])
     asked = [c for c in notebook.cells if c.cell_type == "markdown" and c.metadata.get("nbgrader", {}).get("grade")]
     assert [cell.metadata.nbgrader.points for cell in asked] == [2]
