@@ -6,8 +6,10 @@ import concurrent.futures
 import contextlib
 import json
 import multiprocessing
+import os
 import signal
 import sys
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -93,7 +95,7 @@ def run(units, job, place, progress) -> dict[str, int]:
 def processes(jobs):
     """A place of `jobs` processes on this machine."""
     context = multiprocessing.get_context("spawn")
-    with concurrent.futures.ProcessPoolExecutor(jobs, context, initializer=_ignore_interrupt) as executor:
+    with concurrent.futures.ProcessPoolExecutor(jobs, context, initializer=_begin_process) as executor:
         yield Place(sandbox.strongest_level(), jobs + 1, lambda *work: executor.submit(judge, *work))
 
 
@@ -121,5 +123,12 @@ def _has(result, tasks):
     return result["status"] != "rejected" and any(check["id"] in tasks for check in result["checks"])
 
 
-def _ignore_interrupt():
+def _begin_process():
+    """A process of `processes`: Ctrl-C is its parent's to handle; without the parent it ends, and its sandboxes with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with, args=(multiprocessing.parent_process(),), daemon=True).start()
+
+
+def _end_with(parent):
+    parent.join()
+    os._exit(1)
