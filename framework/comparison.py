@@ -24,7 +24,7 @@ class Comparison:
     difference : (H, W, 3) uint8
                                 sRGB, yours - expected: green where too large, purple where too small; of
                                 colours the largest channel's absolute difference, white to brown; of masks
-                                orange where true only in yours, blue where only in expected
+                                orange where true only in yours, blue where only in expected, else plain
     low, high : float           values at the ends of the colours of yours and expected
     scale : float               difference at the top of its colours
     caption : str               one or two plain sentences with the numbers
@@ -153,8 +153,7 @@ def _caption(error, yours, expected, scale, sign):
 
 def _masks(yours, expected):
     surplus, missing = yours & ~expected, expected & ~yours
-    difference = colors.MASK[np.where(surplus, 2, np.where(missing, 3, expected & yours))]
-    difference[~(surplus | missing)] //= 2  # what agrees stands back
+    difference = colors.MASK[np.where(surplus, 2, np.where(missing, 3, 0))]
     more, less = np.count_nonzero(surplus), np.count_nonzero(missing)
     caption = "No difference."
     if more or less:

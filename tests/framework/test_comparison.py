@@ -74,6 +74,13 @@ def test_masks_tell_surplus_from_missing():
     )
 
 
+def test_where_masks_agree_their_difference_is_plain_whatever_they_show():
+    mask = np.eye(5, dtype=bool)
+    shown = comparison_images(mask, mask, "mask")
+    assert shown.caption == "No difference."
+    assert np.ptp(shown.difference.reshape(-1, 3), axis=0).max() == 0 < np.ptp(shown.yours)
+
+
 @pytest.mark.parametrize("kind", ["distance", "scalar"])
 def test_nan_is_magenta_and_infinity_background_in_every_picture(kind):
     expected = waves() + 2 * (kind == "scalar")
