@@ -72,11 +72,16 @@ def sample_chain(chain, roughness_levels, direction, roughness):
 
     Returns
     -------
-    (N, 3) float   bilinear in the two nearest levels, linear in roughness between them; beyond the ends the end level
+    (N, 3) float   bilinear in the two nearest levels, linear in roughness between them; beyond the ends the end level;
+                   NaN where a direction is not finite
     """
     from solutions.fast.shade_kernel import look_up_all
 
     direction = np.asarray(direction, dtype=float)
+    finite = np.isfinite(direction).all(axis=-1, keepdims=True)
+    size = np.abs(direction).max(axis=-1, initial=0.0, keepdims=True)
+    if not (finite & (size > 1e-150) & (size < 1e150)).all():  # squares would leave the range of float64
+        direction = fw.normalize(np.where(finite, direction, 0.0))
     levels = np.ascontiguousarray(roughness_levels, dtype=float)
     if len(levels) != len(chain) or not len(levels):
         raise ValueError(
@@ -90,7 +95,7 @@ def sample_chain(chain, roughness_levels, direction, roughness):
     )
     texels, starts, heights = pack(chain)
     look_up_all(texels, starts, heights, levels, _batch(direction, color.shape), rough, color.reshape(-1, 3))
-    return color
+    return color if finite.all() else np.where(finite, color, np.nan)
 
 
 def pack(chain):

@@ -143,3 +143,15 @@ def test_nothing_is_nan_at_the_edges_of_what_is_allowed(light):
         )
         assert np.isfinite(shaded).all() and np.isfinite(mean).all() and np.isfinite(error).all()
         assert (shaded >= 0).all() and (mean >= 0).all()
+
+
+def test_directions_of_any_length_are_looked_up_and_those_that_are_not_finite_are_nan():
+    env = fw.skies.orientation(8)
+    direction = fw.normalize(np.random.default_rng(4).normal(size=(50, 3)))
+    expected = fast.sample_chain([env.pixels], [0.0], direction, 0.0)
+    for length in (1e-250, 1e-4, 1e5, 1e250):
+        assert_allclose(fast.sample_chain([env.pixels], [0.0], length * direction, 0.0), expected, atol=1e-12)
+    direction[0], direction[1, 2] = np.nan, np.inf
+    found = fast.sample_chain([env.pixels], [0.0], direction, 0.0)
+    assert np.isnan(found[:2]).all()
+    assert_allclose(found[2:], expected[2:], atol=1e-12)
