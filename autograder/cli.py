@@ -233,9 +233,9 @@ def _stress(options):
             found = list(bar)
         print(f"{name}: {stress.SWEEPS[name]}", *(f"  {line}" for line in stress.table(found)), "", sep="\n", flush=True)
         rows += found
-    broken, points = [row for row in rows if not row.holds], sum(row.points for row in rows)
+    broken = [row for row in rows if not row.holds]
     nonfinite = sum(row.nonfinite for row in rows)
-    print(f"{points:,} points, {nonfinite} outputs not finite, {len(broken)} of {len(rows)} bounds broken")
+    print(f"{stress.points(rows):,} points, {nonfinite} outputs not finite, {len(broken)} of {len(rows)} bounds broken")
     for row in broken:
         print(f"  {row.function}, {row.claim}: {row.worst:.2g}, of at most {row.bound:.2g}; {row.nonfinite} not finite")
     return 1 if broken else 0

@@ -9,8 +9,13 @@ import numpy as np
 
 # `course stress NAME`: a module of that name in this package, whose `rows(share)` yields `Row`s at that share of the points.
 SWEEPS = {
+    "vectors": "vectors, frames, sequences, measures of error, cameras",
     "microfacets": "Fresnel, normal distributions, masking, the BRDF, the table of the split sum, its shading",
+    "environments": "look-ups, cubes, samples and lights: suns in one texel, checkerboards, seams and poles",
+    "filters": "filtered maps: what a constant map, a sun in one texel and a turn of the map do to them",
     "shadows": "soft shadows from distances and marches: k from 1.01 to 1000, rays that start inside and on surfaces",
+    "tracing": "distance fields, tapes, marches and pictures: scales of 1e-4 to 1e5, far origins, shapes without thickness",
+    "raster": "the rasteriser: slivers, coplanar faces, the near plane through a mesh, images of one pixel",
 }
 
 ROUGHNESS = np.array([0.0, 1e-4, 0.02, 0.045, *np.linspace(0.1, 1.0, 10)])
@@ -52,15 +57,19 @@ def measured(function, claim, outputs, worst, bound, reason, *, points=None):
     ----------
     outputs : array, or a sequence of arrays    all that the function returned: counted, and looked through for NaN and inf
     worst : array of float                      measured values, of which the largest counts; empty is 0
-    points : int, optional                      inputs tried, where that is not the number of outputs of the first array
+    points : int, optional                      inputs tried, where that is not the number of outputs, vectors counted once
     """
     arrays = [np.asarray(a) for a in (outputs if isinstance(outputs, tuple | list) else (outputs,))]
     worst = np.asarray(worst, dtype=float)
     bad = sum(int(np.count_nonzero(~np.isfinite(a))) for a in arrays)
     return Row(
-        function, claim, arrays[0].size if points is None else points, bad,
+        function, claim, sum(map(_count, arrays)) if points is None else points, bad,
         float(worst.max(initial=0.0)), float(bound), reason,
     )  # fmt: skip
+
+
+def _count(array):
+    return array.size // (array.shape[-1] if array.ndim > 1 and array.shape[-1] in (2, 3) else 1)
 
 
 def relative(found, truth, floor=0.0):
@@ -73,6 +82,14 @@ def relative(found, truth, floor=0.0):
 def sweep(name, share=1.0):
     """The rows of one sweep, as they are measured; `share` of the points, for who cannot wait."""
     yield from importlib.import_module(f"solutions.stress.{name}").rows(share)
+
+
+def points(rows):
+    """Inputs tried: claims about one function share them."""
+    most: dict[str, int] = {}
+    for row in rows:
+        most[row.function] = max(most.get(row.function, 0), row.points)
+    return sum(most.values())
 
 
 def table(rows):
