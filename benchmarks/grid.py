@@ -8,12 +8,37 @@ import time
 import numpy as np
 
 import framework as fw
+from benchmarks.harness import Contender
 from framework import mesh as shapes
 from framework import sdf
 
 RESOLUTIONS = (32, 64, 128, 256)
 MAP_SIZES = (512, 1024, 2048)
 LIGHT = fw.Camera((4.0, 9.0, 3.0), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0), 0.45)
+TITLE = "Meshes as grids of distances: built whole, or brought up to date after a move"
+ERROR, WORK = "mean distance from the truth near the surface, scene units", "bytes"
+
+
+def contenders(resolutions=(16, 32, 64), triangles=10_000):
+    """Grids of two bumpy spheres, built whole, and brought up to date after one of them moved."""
+    objects = [shapes.bumpy_sphere(triangles), shapes.bumpy_sphere(triangles)]
+    places = np.array([[-1.3, 0.0, 0.0], [1.3, 0.0, 0.0]])
+    before, after = _placed(objects, places), _placed(objects, places + [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]])
+    points = _near(after, 4000)
+    truth = _distance(after, points)
+
+    def error(grid):
+        return float(np.abs(truth - np.abs(grid(points)))[truth < 2 * grid.cell].mean())
+
+    found = []
+    for size in resolutions:
+        old = sdf.from_mesh(before, size)
+        for method, run in (
+            ("built whole", lambda size=size: sdf.from_mesh(after, size)),
+            ("brought up to date", lambda old=old: old.updated(after)),
+        ):
+            found.append(Contender(method, f"{size} cells", run, error, lambda grid: grid.nbytes))
+    return found
 
 
 def rows(resolutions=RESOLUTIONS, map_sizes=MAP_SIZES, triangles=66_000):

@@ -5,6 +5,7 @@ import functools
 import numpy as np
 
 import framework as fw
+from benchmarks import sdf
 from framework import mesh as shapes
 from framework.lookup import _bilinear
 from solutions import fast
@@ -30,6 +31,10 @@ def series():
         "look-ups: compiled": {n: functools.partial(sky.radiance, directions[:n]) for n in LOOK_UPS},
         "primitives: distances of 1000 points, NumPy": {
             n: functools.partial(spheres(n), points) for n in (1, 10, 100, 1000, 10_000)
+        },
+        "primitives: picture of 256 x 256 pixels with shadows, compiled": {
+            n: functools.partial(fast.render_sdf, sdf.on_floor(n), sdf.CAMERA, 256, 256, sdf.LIGHT, sdf.K)
+            for n in (10, 100, 1000, 10_000)
         },
         "map size, pixels: exact filter, roughness 0.3": {
             2 * n * n: functools.partial(fast.prefilter_chain, fw.skies.gradient(n), [0.3], [32])

@@ -1,4 +1,4 @@
-"""Soft shadows by maps and by distance fields, run time against error: `python -m benchmarks.shadow_maps`.
+"""Soft shadows by maps and by distance fields.
 
 A ball, two boxes and a floor, as meshes and in closed form, below a round light. What is judged is the visible part
 of the light at the points that a camera sees; the truth is 1024 rays a point, cast in closed form. All of it is NumPy
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import framework as fw
-from benchmarks.grid import _timed, show
+from benchmarks.harness import Contender
 from framework import mesh as shapes
 from framework import sdf
 from solutions.soft_shadows import area_light_shadow, soft_shadow
@@ -23,6 +23,8 @@ SOLIDS = Solids(
 )
 LIGHT, LIGHT_RADIUS = np.array([18.0, 40.0, 12.0]), 4.0  # under about 5 degrees of half angle
 CAMERA = fw.Camera((-0.6, 3.6, 5.2), (0.0, 0.5, 0.0), (0.0, 1.0, 0.0), 0.62)
+TITLE = "Soft shadows: maps, and distance fields with and without their build"
+ERROR, WORK = "RMS of the visibility", "not counted"
 LIFT = 0.01  # points start this far above their surface
 
 
@@ -133,74 +135,49 @@ def points(width, height):
     return p[up] + LIFT * normal[up]
 
 
-def rows(width=160, height=120, map_sizes=(256, 512, 1024, 2048), resolutions=(32, 64, 128), rays=1024):
-    """A row for each technique and its knobs.
-
-    Returns
-    -------
-    list of dict        `name`, `size` (pixels, or cells along the longest side of each object), `samples` (or None),
-                        `prepare_ms` (the map's drawing, the grids' build), `shade_ms`, `rmse`, `mean_error`,
-                        `max_error` of the visible part
-    """
+def contenders(width=160, height=120, map_sizes=(512, 1024, 2048), resolutions=(32, 64), rays=1024):
+    """Each way to shade the points; maps are drawn anew each time, grids built once unless the name says otherwise."""
     p = points(width, height)
     truth = ray_sampled(p, rays)
     meshes = objects()
     everything = _joined([*meshes, shapes.plane(9.0)])
-    camera = fw.Camera(LIGHT, (0.0, 0.5, 0.0), (0.0, 1.0, 0.0), 2 * math.atan(3.0 / np.linalg.norm(LIGHT)))
-    table = []
+    away = np.linalg.norm(LIGHT)
+    camera = fw.Camera(LIGHT, (0.0, 0.5, 0.0), (0.0, 1.0, 0.0), 2 * math.atan(3.0 / away))
+    found = []
 
-    def add(name, size, samples, prepare_ms, shade):
-        shade_ms, seen = _timed(shade)
-        off = seen - truth
-        table.append(
-            {
-                "name": name,
-                "size": size,
-                "samples": samples,
-                "prepare_ms": prepare_ms,
-                "shade_ms": shade_ms,
-                "rmse": float(np.sqrt((off**2).mean())),
-                "mean_error": float(np.abs(off).mean()),
-                "max_error": float(np.abs(off).max()),
-            }  # fmt: skip
-        )
+    def add(method, setting, run):
+        found.append(Contender(method, setting, run, lambda seen: float(np.sqrt(((seen - truth) ** 2).mean()))))
 
+    def by_map(size, shade):
+        return lambda: shade(ShadowMap.drawn(everything, camera, size), 0.02 + 0.5 * 6.0 / size)
+
+    # As wide as the half shade of an occluder one unit away.
+    wide = LIGHT_RADIUS / away
     for size in map_sizes:
-        draw_ms, shadow_map = _timed(lambda size=size: ShadowMap.drawn(everything, camera, size))
-        bias = 0.02 + 0.5 * 6.0 / size
-        add("hard", size, 1, draw_ms, lambda m=shadow_map, b=bias: pcf(m, p, 0.0, 1, b))
-        for samples in (16, 64):
-            # As wide as the half shade of an occluder one unit away.
-            wide = shadow_map.pixels_at(LIGHT_RADIUS / np.linalg.norm(LIGHT), np.linalg.norm(LIGHT))
-            add(
-                "PCF",
-                size,
-                samples,
-                draw_ms,
-                lambda m=shadow_map, b=bias, n=samples, w=wide: pcf(m, p, w, n, b),
-            )
-            add(
-                "PCSS",
-                size,
-                samples,
-                draw_ms,
-                lambda m=shadow_map, b=bias, n=samples: pcss(m, p, LIGHT_RADIUS, n, b),
-            )
+        add("one look-up", f"{size} pixels", by_map(size, lambda m, b: pcf(m, p, 0.0, 1, b)))
+        add("PCF, 64 look-ups", f"{size} pixels", by_map(size, lambda m, b: pcf(m, p, m.pixels_at(wide, away), 64, b)))
+        for n in (16, 64):
+            add(f"PCSS, {n} look-ups", f"{size} pixels", by_map(size, lambda m, b, n=n: pcss(m, p, LIGHT_RADIUS, n, b)))
 
-    to_light, angle = fw.normalize(LIGHT - p), math.asin(LIGHT_RADIUS / np.linalg.norm(LIGHT))
+    to_light, angle = fw.normalize(LIGHT - p), math.asin(LIGHT_RADIUS / away)
     floor = sdf.plane((0, 1, 0), 0.0)
-    fields = [("formula", None, 0.0, SOLIDS.sdf())]
+
+    def signed(field):
+        return area_light_shadow(field, p, to_light, angle, 0.02, 8.0, 128)
+
+    def built(size):
+        return sdf.union(floor, *(sdf.from_mesh(mesh, size) for mesh in meshes))
+
+    exact = SOLIDS.sdf()
+    add("k d / t, formula", "", lambda: soft_shadow(exact, p, to_light, 1 / math.sin(angle), 0.02, 8.0, 128))
+    add("signed angle, formula", "", lambda: signed(exact))
     for size in resolutions:
-        build_ms, grids = _timed(lambda size=size: [sdf.from_mesh(mesh, size) for mesh in meshes])
-        fields.append(("grid", size, build_ms, sdf.union(floor, *grids)))
-    for name, size, build_ms, field in fields:
-        add(f"k, {name}", size, None, build_ms,
-            lambda f=field: soft_shadow(f, p, to_light, 1 / math.sin(angle), 0.02, 8.0, 128))  # fmt: skip
-        add(f"signed, {name}", size, None, build_ms,
-            lambda f=field: area_light_shadow(f, p, to_light, angle, 0.02, 8.0, 128))  # fmt: skip
+        grid = built(size)
+        add("signed angle, grid", f"{size} cells", lambda grid=grid: signed(grid))
+        add("signed angle, grid built anew", f"{size} cells", lambda size=size: signed(built(size)))
     for samples in (16, 64):
-        add("rays", None, samples, 0.0, lambda n=samples: ray_sampled(p, n))
-    return table
+        add("rays", f"{samples}", lambda n=samples: ray_sampled(p, n))
+    return found
 
 
 def _joined(meshes):
@@ -209,7 +186,3 @@ def _joined(meshes):
         np.concatenate([mesh.vertices for mesh in meshes]),
         np.concatenate([mesh.faces + k for mesh, k in zip(meshes, first, strict=True)]),
     )
-
-
-if __name__ == "__main__":
-    show(rows())

@@ -46,10 +46,18 @@ def test_without_a_blocker_all_of_the_light_is_seen(shadow_map):
 
 
 def test_the_tables_have_a_row_for_each_setting():
-    table = shadow_maps.rows(12, 9, map_sizes=(64,), resolutions=(8,), rays=16)
-    assert [row["name"] for row in table] == [
-        "hard", "PCF", "PCSS", "PCF", "PCSS", "k, formula", "signed, formula", "k, grid", "signed, grid", "rays", "rays",
+    found = shadow_maps.contenders(12, 9, map_sizes=(64,), resolutions=(8,), rays=16)
+    assert [c.method for c in found] == [
+        "one look-up", "PCF, 64 look-ups", "PCSS, 16 look-ups", "PCSS, 64 look-ups", "k d / t, formula",
+        "signed angle, formula", "signed angle, grid", "signed angle, grid built anew", "rays", "rays",
     ]  # fmt: skip
+    assert all(0 <= c.error(c.run()) < 0.5 for c in found)
+    found = grid.contenders((16, 48), 500)
+    made = [c.run() for c in found]
+    assert [c.method for c in found] == ["built whole", "brought up to date"] * 2
+    errors, sizes = ([of(grid) for of, grid in zip(many, made, strict=True)]
+                     for many in ([c.error for c in found], [c.work for c in found]))  # fmt: skip
+    assert errors[1::2] == pytest.approx(errors[::2], rel=0.02) and errors[0] > errors[2] and sizes[0] < sizes[2]
     table = grid.rows((12, 48), (32,), 400)
     assert [(row["name"], row["size"]) for row in table] == [("grid", 12), ("grid", 48), ("shadow map", 32)]
     assert table[1]["mean_error"] < table[0]["mean_error"]
