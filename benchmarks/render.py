@@ -22,7 +22,7 @@ PASSES = [
     (render, "environment_light"),
     (render._Shading, "environment"),
     (render._Shading, "add_light"),
-    (render, "_background"),
+    (render, "_image"),
 ]
 
 

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from framework import recycle
 from framework.arrays import dot
 from framework.environment_light import EnvironmentLight
 from framework.lookup import lookup
@@ -58,29 +59,28 @@ def render_scene(scene, width, height, functions, everything=False, samples=256)
     color = shading.environment(light)
     for number in range(len(scene.lights)):
         shading.add_light(number, color)
-    image = _background(scene, plan, points)
-    image.reshape(-1, 3)[points.pixel] = color
-    return image, plan
+    return _image(scene, plan, points, color), plan
 
 
-def _background(scene, plan, points):
-    """An image (H, W, 3) of the environment where nothing else is."""
-    image, everywhere = np.zeros((plan.height, plan.width, 3)), plan.width * plan.height
-    if scene.environment is None:
-        plan.count("background", 0, 0)
-        return image
-    from framework.render_kernels import directions
+def _image(scene, plan, points, color):
+    """The image (H, W, 3): the colours of the points, and the environment where there are none."""
+    from framework.render_kernels import background, place
     from framework.render_points import ray_matrix
 
-    empty = np.ones(everywhere, bool)
-    if not plan.everything:
-        empty[points.pixel] = False
-    pixel = np.flatnonzero(empty)
-    plan.count("background", len(pixel), everywhere)
-    direction = np.empty((len(pixel), 3))
-    directions(pixel, plan.width, ray_matrix(scene.camera, plan.width, plan.height), direction)
-    image.reshape(-1, 3)[pixel] = lookup(_map(scene), direction)
-    return image
+    everywhere = plan.width * plan.height
+    image = recycle.empty((everywhere, 3))
+    if scene.environment is None:
+        plan.count("background", 0, 0)
+        image[:] = 0.0
+    else:
+        empty = np.ones(everywhere, bool)
+        if not plan.everything:
+            empty[points.pixel] = False
+        plan.count("background", np.count_nonzero(empty), everywhere)
+        pixels, rays = _map(scene), ray_matrix(scene.camera, plan.width, plan.height)
+        background(empty, plan.width, rays, pixels.reshape(-1, 3), len(pixels), image)
+    place(points.pixel, color, image)
+    return image.reshape(plan.height, plan.width, 3)
 
 
 def _map(scene):
@@ -125,7 +125,8 @@ class _Shading:
     def environment(self, light):
         """Radiance (N, 3) that reaches the camera from the environment."""
         scene, plan, points = self._scene, self._plan, self._points
-        color = np.zeros((len(points), 3))
+        color = recycle.empty((len(points), 3))
+        color[:] = 0.0
         if scene.environment is None:
             for name in ("environment shadows", "matt under the sky", "mirror of the sky"):
                 plan.count(name, 0, 0)
@@ -144,7 +145,9 @@ class _Shading:
                 color[of] += term if free is None else term * free[of, None]
             if material.reflects or plan.everything:
                 mirror += part.stop - part.start
-                color[of] += self._mirror(material, light, of) * material.reflects
+                mirrored = self._mirror(material, light, of)
+                if material.reflects:
+                    color[of] += mirrored
         plan.count("matt under the sky", matt, len(points))
         plan.count("mirror of the sky", mirror, len(points))
         return color
@@ -247,14 +250,14 @@ class _Shading:
 
         offset, edges = scene.reach / 2400, np.geomspace(scene.reach / 600, scene.reach, _SEGMENTS + 1)
         low, high = self._bounds.boxes(np.maximum(edges[1:] / light.k, 1e-4) * (1 + 1e-6))
-        cosine, mask = np.empty(len(points)), np.empty(len(points), bool)
+        cosine, mask = recycle.empty((len(points),)), np.empty(len(points), bool)
         ways = low, high, self._bounds.planes, edges, light.k
         shadow_rays(points.position, points.normal, light.direction, offset, *ways, cosine, mask)
         wanted, visible = np.flatnonzero(mask | plan.everything), np.ones(len(points))
         plan.count(name, len(wanted), len(points))
         if len(wanted):
             march = self._functions.get("soft_shadow", f"the shadows of light {number}")
-            origin = np.empty((len(wanted), 3))
+            origin = recycle.empty((len(wanted), 3))
             offset_points(points.position, points.normal, wanted, offset, origin)
             limits = light.k, edges[0], edges[-1], _SHADOW_STEPS
             visible[wanted], evaluations = counted(march, self._occluder(), origin, light.direction, *limits)

@@ -7,6 +7,7 @@ solid is known by boxes around it and by half-spaces `(nx, ny, nz, offset)`, whi
 import numpy as np
 from numba import njit, prange
 
+from framework.lookup_kernel import angles, blend
 from framework.raster_grid_kernels import one_triangle
 
 OPTIONS = dict(parallel=True, cache=True, nogil=True, error_model="numpy")
@@ -77,6 +78,31 @@ def directions(pixel, width, rays, out):
         dx, dy, dz = _ray(rays, pixel[i] % width, pixel[i] // width)
         scale = 1.0 / np.sqrt(dx * dx + dy * dy + dz * dz)
         out[i, 0], out[i, 1], out[i, 2] = dx * scale, dy * scale, dz * scale
+
+
+@njit(**OPTIONS)
+def background(empty, width, rays, texels, height, image):
+    """Fill the pixels (P,) that are `empty` in an image (P, 3) with the environment (height, 2 height, 3), as `texels`."""
+    for row in prange(empty.shape[0] // width):
+        pixel, lines, n = np.empty(width, np.int64), np.empty((5, width)), 0
+        x, y, z, down, right = lines[0], lines[1], lines[2], lines[3], lines[4]
+        for column in range(width):
+            if empty[row * width + column]:
+                pixel[n] = row * width + column
+                x[n], y[n], z[n] = _ray(rays, column, row)
+                n += 1
+        angles(n, x, y, z, down, right)
+        for i in range(n):
+            at = pixel[i]
+            image[at, 0], image[at, 1], image[at, 2] = blend(texels, 0, height, down[i], right[i])
+
+
+@njit(**OPTIONS)
+def place(pixel, color, image):
+    """Put the colours (N, 3) of pixels into an image (P, 3)."""
+    for i in prange(pixel.shape[0]):
+        at = pixel[i]
+        image[at, 0], image[at, 1], image[at, 2] = color[i, 0], color[i, 1], color[i, 2]
 
 
 @njit(**OPTIONS)
@@ -205,6 +231,10 @@ def warm():
     fill_points(triangle, one, np.ones((1, 1, 3)), mesh, first_face, rays, origin, starts, points)
     pixel, position, normal, out = points
     directions(pixel, 1, rays, out)
+    texels = np.zeros((2, 3))
+    texels.flags.writeable = False
+    background(mask[0], 1, rays, texels, 1, out)
+    place(pixel, out, out)
     camera_rays(np.ones((1, 3)), np.ones((1, 3)), planes, rays, origin, 1.0, one, mask)
     boxes = np.ones((1, 1, 3)), np.ones((1, 1, 3)), planes, np.ones(2)
     shadow_rays(position, normal, np.ones(3), 0.1, *boxes, 8.0, np.zeros(1), mask[0])

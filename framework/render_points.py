@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from framework import recycle
 from framework.arrays import dot, normalize
 from framework.mesh import Mesh
 from framework.plan import CHANNELS
@@ -157,8 +158,8 @@ def _gather(scene, plan, meshes, mesh, gbuffer, hits, rays):
         depth = gbuffer.depth if "depth" in plan.channels else depth
     drawn = int(counts.sum())
     total = drawn + sum(len(pixel) for _, pixel, *_ in hits)
-    position = np.empty((total if hits or depth.size else 0, 3))
-    arrays = np.empty(total, np.int64), position, np.empty((total, 3)), np.empty((total, 3))
+    position = recycle.empty((total if hits or depth.size else 0, 3))
+    arrays = np.empty(total, np.int64), position, recycle.empty((total, 3)), recycle.empty((total, 3))
     if drawn:
         starts = np.cumsum(counts.T.ravel()).reshape(-1, plan.height).T - counts
         channels = gbuffer.triangle, depth, gbuffer.normal

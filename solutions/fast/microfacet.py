@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from framework import recycle
 from solutions import split_sum
 
 
@@ -32,6 +33,6 @@ def microfacet_brdf(normal, view, to_light, r0, alpha):
     from solutions.fast.microfacet_kernel import microfacet
 
     normal, view = (np.ascontiguousarray(v, dtype=float) for v in (normal, view))
-    toward, color = np.array(to_light, dtype=float), np.empty(shape)
+    toward, color = np.array(to_light, dtype=float), recycle.empty(shape)
     microfacet(normal, view, toward, np.broadcast_to(r0, 3).astype(float), max(float(alpha), 1e-4), color)
     return color

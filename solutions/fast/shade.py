@@ -5,6 +5,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 import framework as fw
+from framework import recycle
 
 _packed: WeakKeyDictionary = WeakKeyDictionary()
 
@@ -43,7 +44,7 @@ def shade_split_sum(normal, view, r0, roughness, prefiltered, lut):
         _packed[light] = pack(light.chain)
     normal, view = (np.asarray(v, dtype=float) for v in (normal, view))
     shape = np.broadcast_shapes(normal.shape, view.shape, (3,))
-    color = np.empty(shape)
+    color = recycle.empty(shape)
     texels, starts, heights = _packed[light]
     shade(
         texels,

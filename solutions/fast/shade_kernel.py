@@ -8,68 +8,31 @@ import math
 import numpy as np
 from numba import njit, prange
 
+from framework.lookup_kernel import angles, blend, half_turns
+
 _FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _half_turns(y, x):
-    """atan2(y, x) / pi to 1e-11, at a third of its time; 0 for (0, 0)."""
-    small, large = min(abs(x), abs(y)), max(abs(x), abs(y))
-    if large == 0.0:
-        return 0.0
-    # Between 0 and 22.5 degrees the series converges: nearer to the diagonal, count from there.
-    diagonal = small > 0.41421356237309503 * large
-    t = (small - large) / (small + large) if diagonal else small / large
-    t2 = t * t
-    high = 1 / 13 + t2 * (-1 / 15 + t2 * (1 / 17 + t2 * (-1 / 19 + t2 * (1 / 21 - t2 / 23))))
-    low = -1 / 3 + t2 * (1 / 5 + t2 * (-1 / 7 + t2 * (1 / 9 + t2 * (-1 / 11 + t2 * high))))
-    angle = (t + t * t2 * low) * (1.0 / math.pi) + (0.25 if diagonal else 0.0)
-    angle = 0.5 - angle if abs(y) > abs(x) else angle
-    angle = 1.0 - angle if x < 0.0 else angle
-    return -angle if y < 0.0 else angle
-
-
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
-def _bilinear(texels, start, height, down, right):
-    """A map at `down` half turns from the top, and `right` half turns from the middle of its first edge."""
-    width = 2 * height
-    v, u = down * height - 0.5, right * height - 0.5
-    upper, left = math.floor(v), math.floor(u)
-    v, u = v - upper, u - left
-    a = left + width if left < 0 else left
-    c, lower = a, upper + 1
-    if upper < 0:  # over a pole a row goes on half a turn away
-        upper, a = 0, a - height if a >= height else a + height
-    if lower >= height:
-        lower, c = height - 1, c - height if c >= height else c + height
-    b, d = a + 1 if a + 1 < width else 0, c + 1 if c + 1 < width else 0
-    upper, lower = start + upper * width, start + lower * width
-    a, b, c, d = upper + a, upper + b, lower + c, lower + d
-    wa, wb, wc, wd = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
-    return (
-        wa * texels[a, 0] + wb * texels[b, 0] + wc * texels[c, 0] + wd * texels[d, 0],
-        wa * texels[a, 1] + wb * texels[b, 1] + wc * texels[c, 1] + wd * texels[d, 1],
-        wa * texels[a, 2] + wb * texels[b, 2] + wc * texels[c, 2] + wd * texels[d, 2],
-    )
+SPAN = 128  # points whose angles are computed in the processor's vectors, before the look-ups one by one
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
 def look_up(texels, starts, heights, levels, x, y, z, roughness):
     """Filtered radiance along (x, y, z): bilinear in the two nearest levels, linear in roughness between them."""
-    down, right = _half_turns(math.sqrt(x * x + z * z), y), _half_turns(x, -z)
-    level = 0
-    while level + 2 < len(levels) and roughness >= levels[level + 1]:
-        level += 1
-    r, g, b = 0.0, 0.0, 0.0
-    share = 0.0
-    if len(levels) > 1:
-        share = min(max((roughness - levels[level]) / (levels[level + 1] - levels[level]), 0.0), 1.0)
-    if share < 1.0:
-        r, g, b = _bilinear(texels, starts[level], heights[level], down, right)
-    if share > 0.0:
-        r1, g1, b1 = _bilinear(texels, starts[level + 1], heights[level + 1], down, right)
-        r, g, b = r + share * (r1 - r), g + share * (g1 - g), b + share * (b1 - b)
-    return r, g, b
+    down, right = half_turns(math.sqrt(x * x + z * z), y), half_turns(x, -z)
+    low, high, share = _levels(levels, roughness)
+    r, g, b = blend(texels, starts[low], heights[low], down, right)
+    r1, g1, b1 = blend(texels, starts[high], heights[high], down, right)
+    return r + share * (r1 - r), g + share * (g1 - g), b + share * (b1 - b)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
+def _levels(levels, roughness):
+    """The two nearest levels, and the share of the second."""
+    low, last = 0, len(levels) - 1
+    for level in range(1, last):  # all of them: where roughnesses differ, a branch would mostly be guessed wrong
+        low += 1 if roughness >= levels[level] else 0
+    high = min(low + 1, last)
+    share = (roughness - levels[low]) / (levels[high] - levels[low]) if high > low else 0.0
+    return low, high, min(max(share, 0.0), 1.0)
 
 
 @njit(parallel=True, cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
@@ -86,31 +49,74 @@ def look_up_all(texels, starts, heights, levels, direction, roughness, color):
 @njit(parallel=True, cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
 def shade(texels, starts, heights, levels, lut, normal, view, r0, roughness, color):
     """The split sum for (N, 3) normals and views; r0 (N, 3) or (1, 3), roughness (N,) or (1,); fills color."""
-    rows, columns = lut.shape[0], lut.shape[1]
     each_r0, each_roughness = 1 if len(r0) > 1 else 0, 1 if len(roughness) > 1 else 0
-    for i in prange(normal.shape[0]):
+    count = normal.shape[0]
+    for span in prange((count + SPAN - 1) // SPAN):
+        first = span * SPAN
+        n = min(SPAN, count - first)
+        rough = roughness[each_roughness * first : each_roughness * first + (n if each_roughness else 1)]
+        reflectance = r0[each_r0 * first : each_r0 * first + (n if each_r0 else 1)]
+        there = normal[first : first + n], view[first : first + n], reflectance, rough
+        _shade_span(texels, starts, heights, levels, lut, *there, color[first : first + n])
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
+def _shade_span(texels, starts, heights, levels, lut, normal, view, r0, roughness, color):
+    n, rows = normal.shape[0], np.empty((6, SPAN))
+    cosine, x, y, z, down, right = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]
+    _mirror(normal, view, cosine, x, y, z)
+    angles(n, x, y, z, down, right)
+    each_r0 = 1 if len(r0) > 1 else 0
+    for i in range(n):  # what is below the horizon, or no number at all, looks anywhere and is seen nowhere
+        down[i], right[i] = (down[i], right[i]) if 0.0 < cosine[i] < np.inf else (0.5, 0.0)
+    _look_ups(n, texels, starts, heights, levels, down, right, roughness, x, y, z)
+    for i in range(n):
+        if not cosine[i] > 0.0:
+            color[i, 0] = color[i, 1] = color[i, 2] = 0.0
+            continue
+        scale, bias = _table(lut, cosine[i], roughness[i if len(roughness) > 1 else 0])
+        color[i, 0] = x[i] * (r0[each_r0 * i, 0] * scale + bias)
+        color[i, 1] = y[i] * (r0[each_r0 * i, 1] * scale + bias)
+        color[i, 2] = z[i] * (r0[each_r0 * i, 2] * scale + bias)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
+def _look_ups(n, texels, starts, heights, levels, down, right, roughness, r, g, b):
+    """`look_up` in n places."""
+    each = 1 if len(roughness) > 1 else 0
+    for i in range(n):
+        low, high, share = _levels(levels, roughness[each * i])
+        r0, g0, b0 = blend(texels, starts[low], heights[low], down[i], right[i])
+        r1, g1, b1 = blend(texels, starts[high], heights[high], down[i], right[i])
+        r[i], g[i], b[i] = r0 + share * (r1 - r0), g0 + share * (g1 - g0), b0 + share * (b1 - b0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
+def _mirror(normal, view, cosine, x, y, z):
+    """Cosines between normals and views, and the mirrored views."""
+    for i in range(normal.shape[0]):
         nx, ny, nz = normal[i, 0], normal[i, 1], normal[i, 2]
         vx, vy, vz = view[i, 0], view[i, 1], view[i, 2]
         mu = nx * vx + ny * vy + nz * vz
-        if not mu > 0.0:
-            color[i, 0] = color[i, 1] = color[i, 2] = 0.0
-            continue
-        rough = roughness[each_roughness * i]
-        across = min(max(mu * columns - 0.5, 0.0), columns - 1.0)
-        down = min(max(rough * rows - 0.5, 0.0), rows - 1.0)
-        left, top = min(int(across), max(columns - 2, 0)), min(int(down), max(rows - 2, 0))
-        right, bottom = min(left + 1, columns - 1), min(top + 1, rows - 1)
-        u, v = across - left, down - top
-        wa, wb, wc, wd = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
-        scale = wa * lut[top, left, 0] + wb * lut[top, right, 0]
-        scale += wc * lut[bottom, left, 0] + wd * lut[bottom, right, 0]
-        bias = wa * lut[top, left, 1] + wb * lut[top, right, 1]
-        bias += wc * lut[bottom, left, 1] + wd * lut[bottom, right, 1]
-        x, y, z = 2.0 * mu * nx - vx, 2.0 * mu * ny - vy, 2.0 * mu * nz - vz
-        r, g, b = look_up(texels, starts, heights, levels, x, y, z, rough)
-        color[i, 0] = r * (r0[each_r0 * i, 0] * scale + bias)
-        color[i, 1] = g * (r0[each_r0 * i, 1] * scale + bias)
-        color[i, 2] = b * (r0[each_r0 * i, 2] * scale + bias)
+        cosine[i], x[i], y[i], z[i] = mu, 2.0 * mu * nx - vx, 2.0 * mu * ny - vy, 2.0 * mu * nz - vz
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=_FAST)
+def _table(lut, mu, rough):
+    """Scale and bias of r0."""
+    rows, columns = lut.shape[0], lut.shape[1]
+    across = min(max(mu * columns - 0.5, 0.0), columns - 1.0)
+    down = min(max(rough * rows - 0.5, 0.0), rows - 1.0)
+    left, top = min(int(across), max(columns - 2, 0)), min(int(down), max(rows - 2, 0))
+    u, v = across - left, down - top
+    right, bottom = np.uint64(min(left + 1, columns - 1)), np.uint64(min(top + 1, rows - 1))
+    left, top = np.uint64(left), np.uint64(top)
+    wa, wb, wc, wd = (1.0 - v) * (1.0 - u), (1.0 - v) * u, v * (1.0 - u), v * u
+    scale = wa * lut[top, left, 0] + wb * lut[top, right, 0]
+    scale += wc * lut[bottom, left, 0] + wd * lut[bottom, right, 0]
+    bias = wa * lut[top, left, 1] + wb * lut[top, right, 1]
+    bias += wc * lut[bottom, left, 1] + wd * lut[bottom, right, 1]
+    return scale, bias
 
 
 def warm():
