@@ -124,6 +124,8 @@ class _Shading:
 
     def environment(self, light):
         """Radiance (N, 3) that reaches the camera from the environment."""
+        from framework.render_kernels import around
+
         scene, plan, points = self._scene, self._plan, self._points
         color = recycle.empty((len(points), 3))
         color[:] = 0.0
@@ -141,7 +143,10 @@ class _Shading:
                 of = np.arange(part.start, part.stop)[~near[part]]
             if material.scatters or plan.everything:
                 matt += part.stop - part.start
-                term = np.array(material.albedo) * light.irradiance(points.normal[of])
+                normal = points.normal[of]
+                term = recycle.empty(normal.shape)
+                around(normal, light.irradiance_map.reshape(-1, 3), len(light.irradiance_map), term)
+                term *= material.albedo
                 color[of] += term if free is None else term * free[of, None]
             if material.reflects or plan.everything:
                 mirror += part.stop - part.start

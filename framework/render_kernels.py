@@ -98,6 +98,25 @@ def background(empty, width, rays, texels, height, image):
 
 
 @njit(**OPTIONS)
+def around(normal, texels, height, color):
+    """The map (height, 2 height, 3), as `texels`, looked up along normals (N, 3); NaN where one is not finite."""
+    count = normal.shape[0]
+    for span in prange((count + 127) // 128):
+        lines, first = np.empty((5, 128)), 128 * span
+        n = min(128, count - first)
+        x, y, z, down, right = lines[0], lines[1], lines[2], lines[3], lines[4]
+        for i in range(n):
+            x[i], y[i], z[i] = normal[first + i, 0], normal[first + i, 1], normal[first + i, 2]
+        angles(n, x, y, z, down, right)
+        for i in range(n):
+            at = first + i
+            if abs(x[i]) + abs(y[i]) + abs(z[i]) < 1e150:
+                color[at, 0], color[at, 1], color[at, 2] = blend(texels, 0, height, down[i], right[i])
+            else:
+                color[at, 0] = color[at, 1] = color[at, 2] = np.nan
+
+
+@njit(**OPTIONS)
 def place(pixel, color, image):
     """Put the colours (N, 3) of pixels into an image (P, 3)."""
     for i in prange(pixel.shape[0]):
@@ -234,6 +253,7 @@ def warm():
     texels = np.zeros((2, 3))
     texels.flags.writeable = False
     background(mask[0], 1, rays, texels, 1, out)
+    around(normal, texels, 1, out)
     place(pixel, out, out)
     camera_rays(np.ones((1, 3)), np.ones((1, 3)), planes, rays, origin, 1.0, one, mask)
     boxes = np.ones((1, 1, 3)), np.ones((1, 1, 3)), planes, np.ones(2)
