@@ -124,23 +124,33 @@ def _wait_for(lock):
 
 
 def _compile_all(names):
-    """One process for each module, as many at a time as there are cores: this one starts no threads of Numba's."""
-    from concurrent.futures import ThreadPoolExecutor, as_completed
+    """One process for each module, as many at a time as there are cores: this one starts no threads of Numba's.
+
+    A module waits for those whose kernels it calls, and links what they have compiled.
+    """
+    from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 
     from tqdm import tqdm
 
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    needs = {name: _needed(name) - {name} for name in names}
+    jobs: dict[str, Future] = {}
     with ThreadPoolExecutor(cores) as pool:
-        jobs = [pool.submit(_warm_apart, name) for name in names]
+        for name in sorted(names, key=lambda name: len(needs[name])):
+            before = [jobs[other] for other in needs[name] if other in jobs]
+            jobs[name] = pool.submit(_warm_apart, name, before)
         try:
-            line = tqdm(as_completed(jobs), "compiling the renderer (once)", len(jobs), unit="module", leave=False)
+            line = tqdm(as_completed(jobs.values()), "compiling the renderer (once)", len(jobs), unit="module", leave=False)
             for job in line:
                 job.result()
         finally:
             pool.shutdown(cancel_futures=True)
 
 
-def _warm_apart(name):
+def _warm_apart(name, before):
+    from concurrent.futures import wait
+
+    wait(before)
     environment = os.environ | {COPIED_FROM: "", "PYTHONPATH": str(_ROOT)}
     done = subprocess.run(
         [sys.executable, "-c", f"import framework.compiled, {name}; {name}.warm()"],
@@ -155,20 +165,25 @@ def _keys():
     """Of each kernel module, the hash of what its compiled code depends on: its source, and those of kernels it names."""
     import hashlib
 
-    sources = {name: _source(name).read_bytes() for name in kernel_modules()}
     keys = {}
-    for name in sources:
-        needed, new = {name}, [name]
-        while new:
-            text = sources[new.pop()]
-            found = [other for other in sources if other.rpartition(".")[2].encode() in text and other not in needed]
-            needed.update(found)
-            new += found
+    for name in kernel_modules():
         digest = hashlib.sha256("\n".join(_surroundings()).encode())
-        for other in sorted(needed):
-            digest.update(other.encode() + sources[other])
+        for other in sorted(_needed(name)):
+            digest.update(other.encode() + _source(other).read_bytes())
         keys[name] = digest.hexdigest()
     return keys
+
+
+def _needed(name):
+    """A kernel module and those that it names, directly or through others: a set."""
+    sources = {other: _source(other).read_text() for other in kernel_modules()}
+    needed, new = {name}, [name]
+    while new:
+        text = sources.get(new.pop(), "")
+        found = {other for other in sources if other.rpartition(".")[2] in text} - needed
+        needed |= found
+        new += found
+    return needed
 
 
 def _take_over(name, key):

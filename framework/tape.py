@@ -27,11 +27,11 @@ class Tape:
     ----------
     op : (I,) int32                 instruction codes, parts one after another, operands first
     number : (I, 16) float64        parameters of each instruction, in the world
-    size : (I,) int32               instructions of the operand that ends here
-    start : (P + 1,) int32          where each part's instructions start; parts without bounds come first
+    size : (I,) int64               instructions of the operand that ends here
+    start : (P + 1,) int64          where each part's instructions start; parts without bounds come first
     box : (P, 6) float64            low and high corners: outside its box a part's value is at least the distance to it
     node : (B, 6) float64           boxes of the hierarchy: a complete binary tree, children of i at 2 i + 1, 2 i + 2
-    leaf : (L + 1,) int32           first part of each of the tree's leaves
+    leaf : (L + 1,) int64           first part of each of the tree's leaves
     unbounded : int                 number of parts without bounds
     depth : int                     of the stack
     """
@@ -108,11 +108,11 @@ def _compile(scene):
     return Tape(
         op=np.array([op for program in programs for op in program.op], np.int32),
         number=np.array([row for program in programs for row in program.number]).reshape(-1, kernels.WIDTH),
-        size=np.array([size for program in programs for size in program.size], np.int32),
-        start=np.cumsum([0, *(len(program.op) for program in programs)], dtype=np.int32),
+        size=np.array([size for program in programs for size in program.size], np.int64),
+        start=np.cumsum([0, *(len(program.op) for program in programs)], dtype=np.int64),
         box=np.array([program.box for program in programs]).reshape(-1, 6),
         node=node,
-        leaf=leaf + np.int32(len(free)),
+        leaf=leaf + len(free),
         unbounded=len(free),
         depth=max(program.depth for program in programs),
     )
@@ -270,11 +270,11 @@ def _hierarchy(boxes):
     node = np.empty((2 * len(ends) - 3, 6))
     if count == 0:
         node[:] = (np.inf,) * 3 + (-np.inf,) * 3
-        return order, node, ends.astype(np.int32)
+        return order, node, ends.astype(np.int64)
     first = len(ends) - 2
     node[first:, :3] = np.minimum.reduceat(boxes[order, :3], ends[:-1])
     node[first:, 3:] = np.maximum.reduceat(boxes[order, 3:], ends[:-1])
     for i in range(first - 1, -1, -1):
         node[i, :3] = np.minimum(node[2 * i + 1, :3], node[2 * i + 2, :3])
         node[i, 3:] = np.maximum(node[2 * i + 1, 3:], node[2 * i + 2, 3:])
-    return order, node, ends.astype(np.int32)
+    return order, node, ends.astype(np.int64)

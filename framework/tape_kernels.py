@@ -15,8 +15,10 @@ PLANE, SPHERE, BOX, ROTATED_BOX, CAPSULE, TORUS, UNION, INTERSECTION, SUBTRACTIO
 
 WIDTH = 16  # numbers an instruction has
 BATCH = 256
-OPTIONS = {"nogil": True, "error_model": "numpy", "fastmath": {"nsz", "arcp", "contract", "afn"}}
-ENTRY = OPTIONS | {"cache": True}  # for what Python calls: the rest is compiled into it
+# For what Python or another module calls: compiled once, and linked to wherever it is called.
+ENTRY = {"nogil": True, "error_model": "numpy", "fastmath": {"nsz", "arcp", "contract", "afn"}, "cache": True}
+# For what its module alone calls: no code that Python could call it by, which takes longer to compile than many a function.
+OPTIONS = ENTRY | {"cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 INLINE = OPTIONS | {"inline": "always"}  # for what has one caller: LLVM then meets it once, not once a level
 NONE = np.int64(0)  # a count's start; a literal 0 would have its callees compiled twice
 
@@ -137,7 +139,7 @@ def _leaf(op, number, j, x, y, z):
 # Batches: a program over rows of points. Results are in `stack[0]`: the value, then the gradient.
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def values(op, number, length, x, y, z, n, stack):
     """Values of a local program at points (n,) into `stack[0, 0, :n]`; `stack` is (depth, 4, 256) float32."""
     top = -1
@@ -196,7 +198,7 @@ def _combine_values(code, k, a, b, n):
             a[i] = (ONE - k) * a[i] + k * b[i]
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def gradients(op, number, length, x, y, z, n, stack):
     """As `values`, with the gradient, not normalised, in `stack[0, 1:, :n]`."""
     top = -1
@@ -248,15 +250,15 @@ def _leaf_gradients(code, p, x, y, z, n, out):
 # Pruning: what of the tape matters in a ball. A value changes by at most R from its middle to its edge.
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def workspace(op, start, depth):
     """Room for one thread: what the functions below take as `work`."""
     instructions, parts = op.shape[0], start.shape[0] - 1
     return (
         np.empty(instructions, np.float64),  # values of a part's instructions at the ball's middle
         np.empty(instructions, np.bool_),  # which of them are kept
-        np.empty(instructions + 64, np.int32),  # a stack of instructions, or of nodes of the hierarchy
-        np.empty(parts, np.int32),  # parts near the ball
+        np.empty(instructions + 64, np.int64),  # a stack of instructions, or of nodes of the hierarchy
+        np.empty(parts, np.int64),  # parts near the ball
         np.empty(parts, np.float64),  # and their values
         np.empty(2 * instructions, np.int32),  # the local program: codes
         np.empty((2 * instructions, WIDTH), np.float32),  # and numbers
@@ -264,7 +266,7 @@ def workspace(op, start, depth):
     )
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def part_value(tape, part, x, y, z, value):
     """Value of a part at one point, float64; leaves those of its instructions in `value`."""
     op, number, size, start = tape[0], tape[1], tape[2], tape[3]
@@ -290,7 +292,7 @@ def distance_to_box(box, i, x, y, z):
     return np.sqrt(dx * dx + dy * dy + dz * dz)
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def parts_near(tape, x, y, z, radius, work):
     """The parts that can be the smallest somewhere in a ball: their number; they are in `work[3]`, values in `work[4]`."""
     box, node, leaf, unbounded = tape[4], tape[5], tape[6], tape[7]
@@ -341,7 +343,7 @@ def _load(op, number, j, origin_x, origin_y, origin_z, local_op, local_number, m
         out[0], out[1], out[2] = p[0] - origin_x, p[1] - origin_y, p[2] - origin_z
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def load_part(tape, part, x, y, z, radius, origin_x, origin_y, origin_z, work, m):
     """Append to the local program, at `m`, what of a part its value in a ball depends on; the new length."""
     op, number, size, start = tape[0], tape[1], tape[2], tape[3]
@@ -388,7 +390,7 @@ def load_part(tape, part, x, y, z, radius, origin_x, origin_y, origin_z, work, m
     return m
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def load_ball(tape, x, y, z, radius, work):
     """Make the local program of the whole scene in a ball, relative to the ball's middle; its length."""
     found, local_op = work[3], work[5]
@@ -429,10 +431,16 @@ def one_sphere():
     """The arrays of a tape of one sphere, and its depth."""
     box, numbers = np.array([[-1.0, -1.0, -1.0, 1.0, 1.0, 1.0]]), np.zeros((1, WIDTH))
     numbers[0, 3] = 1.0
-    code, one, ends = np.array([SPHERE], np.int32), np.ones(1, np.int32), np.array([0, 1], np.int32)
+    code, one, ends = np.array([SPHERE], np.int32), np.ones(1, np.int64), np.array([0, 1])
     return (code, numbers, one, ends, box, box, ends, 0), 1
 
 
 def warm():
-    """Compile the kernel that `Tape` calls."""
-    evaluate(*one_sphere(), np.zeros((1, 3)), np.empty(1, np.float32))
+    """Compile what `Tape` and other kernels call."""
+    tape, depth = one_sphere()
+    evaluate(tape, depth, np.zeros((1, 3)), np.empty(1, np.float32))
+    work, point = workspace(tape[0], tape[3], depth), np.zeros(1, np.float32)
+    parts_near(tape, 0.0, 0.0, 0.0, 0.0, work)
+    load_part(tape, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, work, 0)
+    part_value(tape, 0, 0.0, 0.0, 0.0, work[0])
+    gradients(work[5], work[6], 1, point, point, point, 1, work[7])

@@ -6,6 +6,7 @@ from numba import njit
 from framework.tape_kernels import (
     BATCH,
     ENTRY,
+    INLINE,
     NONE,
     ONE,
     OPTIONS,
@@ -57,12 +58,12 @@ def _rooms(tape, depth):
     parts = tape[3].shape[0] - 1
     return (
         workspace(tape[0], tape[3], depth), np.empty((32, BATCH), np.float32), np.empty((4, BATCH), np.int32),
-        np.empty((2, BATCH), np.int32), np.empty(parts, np.int32), np.empty(parts + 2, np.int32),
+        np.empty((2, BATCH), np.int32), np.empty(parts, np.int64), np.empty(parts + 2, np.int64),
         np.empty(parts, np.float64),
     )  # fmt: skip
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def _tile(tape, view, inside, t_max, light, count, bits, top, left, bottom, right, out_t, out_normal,
           out_visibility, rooms):  # fmt: skip
     """A tile of up to `1 << bits` pixels a side, that sees `count` parts; of a smaller one that is yet to be found out."""
@@ -267,7 +268,7 @@ def _gather(n, rows, on, seen, count, start, owner, lane):
             start[on[i] + 1] += 1
     for j in range(count):
         start[j + 1] += start[j]
-    hits = np.int64(start[count])
+    hits = start[count]
     for i in range(n):
         if on[i] >= 0:
             j = start[on[i]]
@@ -283,7 +284,7 @@ def _normals(tape, camera, n, owner, lane, rows, work):
     """Unit gradients at hits into rows 23 to 25, of each part's own field; towards the camera where there is none."""
     begin = NONE
     while begin < n:
-        part, end = owner[begin], begin + 1
+        part, end = np.int64(owner[begin]), begin + 1
         while end < n and owner[end] == part:
             end += 1
         x, y, z = rows[20, begin:end], rows[21, begin:end], rows[22, begin:end]

@@ -7,8 +7,11 @@ import numpy as np
 from numba import njit
 
 from framework.tape_kernels import (
+    BATCH,
     BOX,
     CAPSULE,
+    ENTRY,
+    INLINE,
     NONE,
     ONE,
     OPTIONS,
@@ -17,8 +20,10 @@ from framework.tape_kernels import (
     TWO,
     ZERO,
     load_part,
+    one_sphere,
     part_value,
     values,
+    workspace,
 )
 
 INF = np.float32(np.inf)
@@ -29,7 +34,7 @@ MOMENTUM, STEEPEST = np.float32(0.3), np.float32(0.8)  # Ban and Valasek 2023
 SECANT, GRAZING, SLIVER = np.float32(0.2), np.float32(-0.05), np.float32(0.25)
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def hit_part(tape, part, slot, camera, axis, spread, pixel, dx, dy, dz, n, t, owner, rows, lane, work):
     """Bring `t` (n,) to where rays meet a part before it, and `owner` to this part's `slot`.
 
@@ -125,7 +130,7 @@ def _ray_capsule(dx, dy, dz, ax, ay, az, radius, ux, uy, uz, length):
     return tube if on_tube else min(a, b)
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def _march(tape, part, slot, camera, axis, spread, pixel, dx, dy, dz, n, t, owner, rows, lane, work):
     """Sphere tracing of one part, in stretches of the tile's cone with a program pruned for each."""
     start, box = tape[3], tape[4]
@@ -289,4 +294,10 @@ def _compact(n, t, owner, slot, rows, lane):
 
 
 def warm():
-    """Nothing: Python calls no function of this module, `render_sdf_kernels` compiles them into its own."""
+    """Compile what other kernels call."""
+    tape, depth = one_sphere()
+    rows, lane, work = np.zeros((32, BATCH), np.float32), np.zeros((2, BATCH), np.int32), workspace(tape[0], tape[3], depth)
+    hit_part(
+        tape, 0, 0, np.array([0.0, 0.0, 3.0]), (0.0, 0.0, -1.0), 0.1, 0.1, rows[16], rows[17], rows[18], 1, rows[19],
+        lane[0], rows, lane[1], work,
+    )  # fmt: skip

@@ -8,7 +8,20 @@ scene that are never the nearest one.
 import numpy as np
 from numba import njit
 
-from framework.tape_kernels import CAPSULE, NONE, ONE, OPTIONS, ZERO, load_ball, values
+from framework.tape_kernels import (
+    BATCH,
+    CAPSULE,
+    ENTRY,
+    INLINE,
+    NONE,
+    ONE,
+    OPTIONS,
+    ZERO,
+    load_ball,
+    one_sphere,
+    values,
+    workspace,
+)
 
 INF = np.float32(np.inf)
 BLOCKED = np.float32(1e-4)  # by definition
@@ -16,7 +29,7 @@ MOST_STEPS = 512
 FEW_PARTS = 12  # that are cheaper to evaluate than to choose from
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def shadow(
     tape, origin, light, px, py, pz, nx, ny, nz, owner, pixel, bits, n, visibility, rows, lane, others, work
 ):
@@ -79,7 +92,7 @@ def _convex(tape, part):
     return start[part + 1] - start[part] == 1 and op[start[part]] <= CAPSULE
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def ball(x, y, z, n):
     """A ball around points: its middle and radius, a little larger for rounding."""
     x0, y0, z0, x1, y1, z1 = x[0], y[0], z[0], x[0], y[0], z[0]
@@ -207,7 +220,7 @@ def _rays_near_box(box, part, origin, light, x, y, z, radius, n, ox, oy, oz, end
         end[i] = max(end[i], far) if matters else end[i]
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def _march(tape, origin, light, few, n, visibility, rows, lane, work):
     """The march of rays up to their `end`, in stretches with a program pruned for each."""
     lx, ly, lz = np.float32(light[0]), np.float32(light[1]), np.float32(light[2])
@@ -292,4 +305,11 @@ def _compact(n, visibility, rows, lane):
 
 
 def warm():
-    """Nothing: Python calls no function of this module, `render_sdf_kernels` compiles them into its own."""
+    """Compile what other kernels call."""
+    tape, depth = one_sphere()
+    rows, lane, work = np.zeros((32, BATCH), np.float32), np.zeros((4, BATCH), np.int32), workspace(tape[0], tape[3], depth)
+    light = np.array([0.0, 1.0, 0.0, 8.0, 0.005, 0.02, 12.0])
+    px, py, pz, nx, ny, nz, seen = rows[20], rows[21], rows[22], rows[23], rows[24], rows[25], rows[26]
+    shadow(
+        tape, np.zeros(3), light, px, py, pz, nx, ny, nz, lane[0], lane[1], 4, 1, seen, rows, lane[2], lane[3], work
+    )  # fmt: skip

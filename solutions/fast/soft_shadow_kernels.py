@@ -6,6 +6,8 @@ from numba import njit
 from framework.tape_kernels import BATCH, ENTRY, one_sphere, workspace
 from solutions.fast.sdf_shadow_kernels import shadow
 
+BITS = np.int64(1)  # of neighbours' number in a batch that tell its quarters apart; of shadow's dtype
+
 
 @njit(**ENTRY)
 def soft_shadows(thread, threads, tape, depth, origin, light, visibility):
@@ -24,7 +26,7 @@ def soft_shadows(thread, threads, tape, depth, origin, light, visibility):
             px[i] = origin[start + i, 0] - middle[0]
             py[i] = origin[start + i, 1] - middle[1]
             pz[i] = origin[start + i, 2] - middle[2]
-        shadow(tape, middle, light, px, py, pz, nx, ny, nz, lane[0], lane[1], 1, n, seen, rows[:32], lane[2], lane[3], work)
+        shadow(tape, middle, light, px, py, pz, nx, ny, nz, lane[0], lane[1], BITS, n, seen, rows[:32], lane[2], lane[3], work)
         for i in range(n):
             visibility[start + i] = seen[i]
 
