@@ -210,10 +210,22 @@ def _inputs_id(judgement):
     for round_ in judgement.rounds:
         for name, arguments, _ in round_.calls:
             digest.update(name.encode())
-            for argument in arguments:
-                value = getattr(argument, "pixels", argument)
-                digest.update(b"" if callable(value) else np.asarray(value, dtype=float).tobytes())
+            for block in _blocks(arguments):
+                digest.update(block)
     return digest.hexdigest()[:16]
+
+
+def _blocks(value):
+    """The bytes of numbers, maps, lights and seeds, however nested; a callable has none."""
+    if isinstance(value, (list, tuple)):
+        for part in value:
+            yield from _blocks(part)
+    elif isinstance(value, np.random.Generator):
+        yield str(value.bit_generator.state).encode()
+    elif hasattr(value, "env"):
+        yield value.env.pixels.tobytes()
+    elif not callable(value):
+        yield np.asarray(getattr(value, "pixels", value), dtype=float).tobytes()
 
 
 def _merged(judgement):
