@@ -168,13 +168,15 @@ class Sandbox:
             with os.fdopen(fd, "rb") as file:
                 inner = file.read()
         return {
-            "blocked_packages": ["solutions", "autograder.checks", "autograder.mistakes"],
+            "blocked_packages": [
+                "solutions", "benchmarks", "autograder.checks", "autograder.mistakes", "autograder.references",
+            ],
             "own_pid_namespace": self.level != PROCESS,
             "call_cpu_seconds": self.limits.call_cpu_seconds,
             "memory_bytes": self.limits.memory_mb << 20,
             "file_bytes": self.limits.file_mb << 20,
             "seccomp": inner,
-        }
+        }  # fmt: skip
 
     def _environment(self):
         home = self._home.name if self._home else SCRATCH
