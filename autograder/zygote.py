@@ -9,7 +9,6 @@ import contextlib
 import os
 import random
 import resource
-import shutil
 import signal
 import socket
 import sys
@@ -68,16 +67,22 @@ def _clear(child, own_pid_namespace):
         for kill in (os.killpg, os.kill):
             with contextlib.suppress(ProcessLookupError, PermissionError):
                 kill(child, signal.SIGKILL)
+    return sum(map(_emptied, SCRATCH)) if own_pid_namespace else 0
+
+
+def _emptied(folder, depth=8):
+    """Remove what is in a folder, and count what stays: a task may leave folders in folders without end."""
     left = 0
-    if own_pid_namespace:
-        for folder in SCRATCH:
-            for entry in os.scandir(folder):
-                if entry.is_dir(follow_symlinks=False):
-                    shutil.rmtree(entry.path, ignore_errors=True)
-                else:
-                    with contextlib.suppress(OSError):
-                        os.unlink(entry.path)
-                left += os.path.lexists(entry.path)
+    with contextlib.suppress(OSError):
+        for entry in list(os.scandir(folder)):
+            if not entry.is_dir(follow_symlinks=False):
+                with contextlib.suppress(OSError):
+                    os.unlink(entry.path)
+            elif depth:
+                _emptied(entry.path, depth - 1)
+                with contextlib.suppress(OSError):
+                    os.rmdir(entry.path)
+            left += os.path.lexists(entry.path)
     return left
 
 

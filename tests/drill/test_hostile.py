@@ -16,7 +16,7 @@ from tests.drill import hostile_cells, hostile_files
 
 pytestmark = pytest.mark.drill
 ROOT = Path(__file__).parents[2]
-LIMITS = ["--call-cpu-seconds", "2", "--call-wall-seconds", "4", "--submission-seconds", "20", "--memory-mb", "1024"]
+LIMITS = ["--call-cpu-seconds", "2", "--call-wall-seconds", "4", "--submission-seconds", "60", "--memory-mb", "1024"]
 SECRET_WORD = "canary-3f9b1c"
 strong = pytest.mark.skipif(sandbox.strongest_level() == sandbox.PROCESS, reason="this machine starts no sandbox")
 
