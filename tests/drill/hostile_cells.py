@@ -33,7 +33,7 @@ for folder, _, files in os.walk('/'):
 raise OSError('done')""", {"error", "timeout"}),
     "walks for other submissions": ("""
 import os
-found = [os.path.join(f, n) for f, _, names in os.walk('/') for n in names if n.endswith('.ipynb')]
+found = [os.path.join(f, n) for f, _, names in os.walk('/') for n in names if n.endswith('tracing.ipynb')]
 print('FOUND' if found else 'nothing', found)
 raise OSError('done')""", {"error", "timeout"}),
     "looks for the grader's objects": ("""

@@ -33,7 +33,10 @@ def submissions(tmp_path_factory):
 def start(submissions, out):
     command = [sys.executable, "-m", "autograder.cli", "grade", str(submissions), "--out", str(out), "--jobs", "2",
                "--allow-weak-isolation"]  # fmt: skip
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    # A shell lets what it runs in the background ignore Ctrl-C, and that is inherited.
+    heed = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                            start_new_session=True, preexec_fn=heed)  # fmt: skip
 
 
 def finished(out):
