@@ -1,4 +1,4 @@
-"""An environment made ready for shading, in a tenth of a second."""
+"""An environment made ready for shading, in half a second."""
 
 from functools import cache
 
