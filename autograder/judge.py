@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import framework
-from autograder import checks
+from autograder import checks, likely
 from autograder.student import Failure
 
 PUBLIC_SHARE, WORK_SHARE = 0.3, 0.2
@@ -64,6 +64,7 @@ class Judgement:
     status: str = ""
     score: float = 0.0
     message: str = ""
+    likely: likely.Likely | None = None
     printed: str = ""
     cpu_seconds: float = 0.0
     peak_memory_mb: float = 0.0
@@ -130,6 +131,15 @@ def settle(result):
     else:
         result.status = "partial" if fraction > 0 else "fail"
         result.message = _first_miss(result.rounds)
+    if result.status in ("partial", "fail", "error"):
+        _name_mistake(result)
+
+
+def _name_mistake(result):
+    """Add the known mistake that the answer resembles, by the round whose inputs are the same for everybody."""
+    result.likely = likely.name(result.task, result.rounds[0].calls)
+    if result.likely is not None:
+        result.message += f"; it looks like a known mistake: {result.likely.symptom}"
 
 
 def _first_miss(rounds):
@@ -196,7 +206,8 @@ def check_record(judgement):
         "tolerance": _finite(worst.tolerance) if worst else None,
         "evaluations": work.evaluations if work else None,
         "evaluations_reference": work.evaluations_reference if work else None,
-        "message": judgement.message, "likely_mistake": None, "hint": None,
+        "message": judgement.message, "likely_mistake": judgement.likely and judgement.likely.id,
+        "hint": judgement.likely and judgement.likely.hint,
         "images": {"yours": None, "reference": None, "difference": None},
         "title": judgement.task.asks, "cpu_seconds": round(judgement.cpu_seconds, 3),
         "traceback": failure.traceback if failure else "", "prints": judgement.printed,

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 
 import framework
-from autograder import checks, public, submission
+from autograder import checks, likely, public, submission
 from autograder.judge import PUBLIC_SHARE, Judgement, result_of, run_check, seed_of, settle
 from autograder.student import Failure, InMemory
 from autograder.wall import sentence
@@ -65,8 +65,10 @@ def judge(task, namespace):
         status = "pass" if result.fraction >= 1 - 1e-9 else "partial" if result.fraction > 0 else "fail"
         missed = next((m for m in result.measures if m.credit < 1), None)
         message, trace = (missed.message or missed.name) if missed else "", ""
+    wrong = status in ("partial", "fail", "error")
     return {"id": found.id, "name": found.name, "status": status, "message": message, "traceback": trace,
-            "measures": result.measures, "picture": result.picture, "fraction": result.fraction}  # fmt: skip
+            "measures": result.measures, "picture": result.picture, "fraction": result.fraction,
+            "likely": likely.name(found, result.calls) if wrong else None}  # fmt: skip
 
 
 def check_file(path):
@@ -120,6 +122,8 @@ def as_text(judged) -> str:
             lines.append(f"    {'✔' if m.credit == 1 else '✘'} {m.name}: {m.metric} {m.error:.3g}, allowed {m.tolerance:.3g}")
     elif judged["traceback"]:
         lines += ["    " + line for line in judged["traceback"].splitlines()]
+    if judged["likely"] is not None:
+        lines += [f"    it looks like a known mistake: {judged['likely'].symptom}", f"    {judged['likely'].hint}"]
     return "\n".join(lines)
 
 
@@ -152,6 +156,9 @@ def _as_html(judged):
         )
     elif judged["traceback"]:
         parts.append(f"<pre>{html.escape(judged['traceback'])}</pre>")
+    if judged["likely"] is not None:
+        symptom, hint = html.escape(judged["likely"].symptom), html.escape(judged["likely"].hint)
+        parts.append(f"<div>It looks like a known mistake: {symptom}<br><b>Think again:</b> {hint}</div>")
     if judged["picture"] is not None and judged["status"] != "not_attempted":
         parts.append(_figures(judged["picture"]))
     return "".join(parts) + "</div>"

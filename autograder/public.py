@@ -39,7 +39,11 @@ def record(name) -> Path:
             for part, array in enumerate(value if isinstance(value, (tuple, list)) else [value]):
                 kind = "s" if isinstance(value, (tuple, list)) else "a"
                 arrays[f"{task.id}/{index:03d}{kind}{part:02d}"] = np.asarray(array)
-    path = FOLDER / f"{name}.npz"
+    return write_arrays(FOLDER / f"{name}.npz", arrays)
+
+
+def write_arrays(path, arrays) -> Path:
+    """Write arrays by name; the same bytes for the same arrays."""
     path.parent.mkdir(exist_ok=True)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
         for key in sorted(arrays):

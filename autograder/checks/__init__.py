@@ -58,11 +58,15 @@ class Picture:
 
 @dataclass(frozen=True)
 class Function:
-    """A function that a task asks for: the shape of its result, from the arguments."""
+    """A function that a task asks for: the shape of its result, from the arguments.
+
+    `digest` makes of (arguments, values) of a call what is compared with known mistakes: by default the values.
+    """
 
     name: str
     returns: Callable[..., Returns]
     infinite: bool = False
+    digest: Callable = lambda arguments, values: values
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,7 @@ class Task:
     """A numbered task: its functions and its check."""
 
     id: str
+    assignment: str
     functions: tuple[Function, ...]
     check: Callable[[Trial], Iterator[Measure]]
     forbidden: tuple[str, ...] = ()
@@ -95,7 +100,7 @@ class Assignment:
         """Declare a task: decorates its check."""
 
         def declare(check):
-            self.tasks.append(Task(id, functions, check, self.forbidden + tuple(forbidden)))
+            self.tasks.append(Task(id, self.name, functions, check, self.forbidden + tuple(forbidden)))
             return check
 
         return declare
@@ -130,6 +135,7 @@ class Trial:
     public : bool                   whether these are the inputs that the notebook shows
     picture : Picture or None       what the check wants shown
     measured : list                 (name, error, tolerance) of all that was held against a record
+    calls : list                    (function, arguments, values) of all calls; NaN where one failed
     """
 
     task: Task
@@ -149,10 +155,14 @@ class Trial:
         """What the student's function returns; an answer with NaN cannot be judged."""
         function = self._function(name)
         returns = function.returns(*arguments)
-        values = self.student_calls(function.name, arguments, returns)
+        try:
+            values = self.student_calls(function.name, arguments, returns)
+        except Failure:
+            self.calls.append((function.name, arguments, [np.full(shape, np.nan) for shape in returns.shapes]))
+            raise
+        self.calls.append((function.name, arguments, values))
         for value in values:
             _refuse_not_finite(function, value, arguments)
-        self.calls.append((function.name, arguments, values))
         return values if returns.sequence else values[0]
 
     def both(self, *arguments, name=None):

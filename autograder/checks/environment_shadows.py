@@ -14,9 +14,20 @@ assignment = Assignment("environment_shadows")
 T_MAX, SIDE = 4.0, 10
 
 
-@assignment.task(
-    "5.1", Function("dominant_lights", lambda env, count: Returns(((count, 3),) * 2, sequence=True))
+def _light_sent(arguments, values):
+    """What lights send, however they are numbered: from which sides, how evenly, and along vectors of which length."""
+    toward, power = values
+    lobes = np.vstack([np.eye(3), -np.eye(3)] + [(2 * np.array(s) - 1) / np.sqrt(3) for s in np.ndindex(2, 2, 2)])
+    spread = np.quantile(power @ LUMINANCE, np.linspace(0, 1, 9)) * len(power)
+    return [_under(lobes, toward, power), spread, np.quantile(np.linalg.norm(toward, axis=1), np.linspace(0, 1, 5))]
+
+
+_LIGHTS = Function(
+    "dominant_lights", lambda env, count: Returns(((count, 3),) * 2, sequence=True), digest=_light_sent
 )
+
+
+@assignment.task("5.1", _LIGHTS)
 def dominant_lights(trial):
     """A few lights that stand for a sky: of about equal energy, where its light comes from, as bright as all of it."""
     env = scenes.sky(trial.rng, 32)

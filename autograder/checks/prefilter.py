@@ -19,7 +19,20 @@ assignment = Assignment("prefilter")
 SAMPLES = 256
 
 
-@assignment.task("3.1", Function("sample_ggx", like(0, 3)), forbidden=("ggx",))
+def _distribution(arguments, values):
+    """Half vectors as a distribution: either column of xi may be the tilt, and azimuths may start anywhere."""
+    half = values[0]
+    if len(half) < 100 or np.ndim(arguments[1]):
+        return values
+    tilt, sector = np.arctan2(np.hypot(half[:, 0], half[:, 1]), half[:, 2]), np.arctan2(half[:, 1], half[:, 0])
+    sector = np.clip((sector / (2 * np.pi) % 1.0) * 8, 0, 7).astype(int)
+    share = np.bincount(sector, minlength=8) / len(half)
+    rank = np.bincount(sector, np.argsort(np.argsort(tilt)) / len(half), 8) / np.maximum(share * len(half), 1)
+    steps = np.linspace(0.02, 0.98, 25)
+    return [np.quantile(tilt, steps), np.quantile(np.linalg.norm(half, axis=1), steps), np.sort(share), np.sort(rank)]
+
+
+@assignment.task("3.1", Function("sample_ggx", like(0, 3), digest=_distribution), forbidden=("ggx",))
 def sample_ggx(trial):
     """Half vectors about +z that are distributed like the normals of GGX, seen from straight above."""
     count, wide = 20_000, trial.rng.uniform(0.25, 0.5)
