@@ -20,7 +20,7 @@ from autograder.judge import (
     summed,
     versions,
 )
-from autograder.student import Failure, Remote, why_ended
+from autograder.student import Failure, Remote, out_of_time, why_ended
 
 DEFAULT_SECRET = b"envmap-course"
 
@@ -65,13 +65,23 @@ class _Session:
         self.assignment = checks.assignment(read.assignment)
         self.points = _points(self.assignment, points)
         self.reference = importlib.import_module(f"solutions.{read.assignment}")
-        self.deadline = time.monotonic() + self.limits.submission_seconds
+        self.deadline = self.until = time.monotonic() + self.limits.submission_seconds
         self.order = [f.name for task in self.assignment.tasks for f in task.functions]
         self.hanging: dict[int, Failure] = {}
 
     def judge_all(self, only):
-        """Every task, or these, in order, each in a process of its own."""
-        return [self._judge(task) for task in self.assignment.tasks if not only or task.id in only]
+        """Every task, or these, in order, each in a process of its own.
+
+        Half of the submission's time is kept for the tasks that are still to come, an equal part for each: `until` is
+        when the one that is judged must be done.
+        """
+        tasks = [task for task in self.assignment.tasks if not only or task.id in only]
+        part = self.limits.submission_seconds / (2 * len(tasks))
+        judgements = []
+        for to_come, task in zip(reversed(range(len(tasks))), tasks, strict=True):
+            self.until = self.deadline - to_come * part
+            judgements.append(self._judge(task))
+        return judgements
 
     def _judge(self, task):
         result = Judgement(task, self.points[task.id], [])
@@ -86,7 +96,7 @@ class _Session:
         self._try(task, result)
         if any(r.failure and r.failure.status == "timeout" and "CPU" not in r.failure.message for r in result.rounds):
             # a busy machine can make an honest task late: once more, alone
-            if self.deadline - time.monotonic() > self.limits.call_wall_seconds:
+            if self.until - time.monotonic() > self.limits.call_wall_seconds:
                 first, result.rounds = result.rounds, []
                 self._try(task, result)
                 result.rounds = result.rounds or first
@@ -96,9 +106,8 @@ class _Session:
     def _try(self, task, result):
         """Judge in a fresh process; a cell outside functions that never ends is skipped in a second one."""
         for _ in range(len(self.read.cells) + 1):
-            if time.monotonic() >= self.deadline:
-                text = f"the submission took over {self.limits.submission_seconds:g} s"
-                result.rounds = [Round(True, failure=Failure("timeout", text))]
+            if time.monotonic() >= self.until:
+                result.rounds = [Round(True, failure=out_of_time(self.limits))]
                 return
             stuck = self._run(task, result)
             if stuck is None or stuck in self.hanging:
@@ -119,7 +128,7 @@ class _Session:
             "skip": sorted(self.hanging), "higher": self.order[len(lower) + len(names) :],
             "lower": [(name, i, list(inspect.signature(f).parameters)) for i, (name, f) in enumerate(references.items())],
         }  # fmt: skip
-        remote, loaded = Remote(box, link, references, self.deadline), False
+        remote, loaded = Remote(box, link, references, self.until), False
         with link:
             try:
                 remote.load(job)

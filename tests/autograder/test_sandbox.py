@@ -3,7 +3,7 @@
 import nbformat
 import pytest
 
-from autograder import sandbox
+from autograder import checks, sandbox
 from autograder.grade import grade
 from autograder.samples import filled_notebook
 from autograder.sandbox import Limits, Pool, strongest_level
@@ -110,11 +110,9 @@ def test_a_call_that_sleeps_is_late_once_and_again(first):
 @strong
 def test_the_submission_has_a_deadline(first, tmp_path):
     path = tmp_path / "all.ipynb"
-    loop = {
-        name: f"def {name}(*a):\n    import time\n    time.sleep(9)"
-        for name in ("sdf_sphere", "sdf_box", "blend")
-    }
-    nbformat.write(filled_notebook("sphere_tracing", loop), path)
+    order = [task.name for task in checks.assignment("sphere_tracing").tasks]
+    asleep = {name: f"def {name}(*a):\n    import time\n    time.sleep(9)" for name in order}
+    nbformat.write(filled_notebook("sphere_tracing", asleep), path)
     with Pool(strongest_level(), Limits(submission_seconds=3)) as pool:
         result, _ = grade(path, "amy", pool, assignment="sphere_tracing")
     assert result["status"] == "timeout" and result["wall_seconds"] < 6

@@ -10,13 +10,14 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from autograder import cli, sandbox
-from autograder.samples import filled_notebook
+from autograder import checks, cli, sandbox
+from autograder.samples import filled_notebook, solution_sources
 from tests.drill import hostile_cells, hostile_files
 
 pytestmark = pytest.mark.drill
 ROOT = Path(__file__).parents[2]
-LIMITS = ["--call-cpu-seconds", "2", "--call-wall-seconds", "4", "--submission-seconds", "60", "--memory-mb", "1024"]
+LIMITS = ["--call-cpu-seconds", "2", "--call-wall-seconds", "4", "--memory-mb", "1024"]
+ORDER = [task.name for task in checks.assignment("sphere_tracing").tasks]
 SECRET_WORD = "canary-3f9b1c"
 strong = pytest.mark.skipif(sandbox.strongest_level() == sandbox.PROCESS, reason="this machine starts no sandbox")
 
@@ -179,6 +180,19 @@ def test_hostile_files_each_get_a_sentence_and_the_batch_goes_on(outside, tmp_pa
     with open(out / "grades.csv", newline="", encoding="utf-8") as file:
         cells = [cell for row in csv.reader(file) for cell in row]
     assert not any(cell.startswith(("=", "+", "-", "@")) for cell in cells)
+
+
+@strong
+def test_tasks_and_cells_that_take_all_the_time_they_can_cost_their_own_points_alone(tmp_path):
+    """With the limits as they are by default, and sleep, which no limit on CPU time ends."""
+    sources = {name: f"def {name}(*a):\n    import time\n    time.sleep(999)" for name in ORDER[:5]}
+    hand_in(tmp_path / "in", "tasks", filled_notebook("sphere_tracing", sources))
+    right = solution_sources("sphere_tracing")
+    cells = {name: f"{right[name]}\nimport time; time.sleep(999)" for name in ORDER[:5]}
+    hand_in(tmp_path / "in", "cells", filled_notebook("sphere_tracing", cells))
+    assert cli.main(["grade", str(tmp_path / "in"), "--out", str(tmp_path / "out"), "--jobs", "2"]) == 0
+    found = {student: [c["status"] for c in result["checks"]] for student, result in results(tmp_path / "out").items()}
+    assert found == {"tasks": ["timeout"] * 5 + ["pass"] * 2, "cells": ["pass"] * 7}
 
 
 def test_weak_isolation_is_told_and_shown_to_be_weak(outside, tmp_path, monkeypatch, capsys):
