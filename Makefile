@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: demo test drill lock clean
+.PHONY: demo test drill notebooks lock clean
 
 demo: .venv/ready
 	@$(BIN)/python -m autograder.demo --out out/demo
@@ -13,6 +13,9 @@ test: .venv/ready
 
 drill: .venv/ready
 	$(BIN)/python -m pytest -n auto -m drill
+
+notebooks: .venv/ready
+	$(BIN)/python notebooks/build.py
 
 .venv/ready: requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv

@@ -6,16 +6,14 @@ with `TITLE` and `series()` where growth is what is asked.
 
 import csv
 import importlib
-import math
 import os
-import statistics
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-REPEATS = 7
+from framework import plane
+
 COLUMNS = ("technique", "method", "setting", "milliseconds", "error", "work", "on_front")
 GROWTH_COLUMNS = ("technique", "method", "size", "milliseconds", "exponent")
 
@@ -63,24 +61,12 @@ def bench(name, out):
     ]  # fmt: skip
 
 
-def medians(runs, repeats=REPEATS):
-    """Median seconds of each function, all in turn in each round, after one round to warm up."""
-    times: list[list[float]] = [[] for _ in runs]
-    for round_ in range(repeats + 1):
-        for run, seconds in zip(runs, times, strict=True):
-            begun = time.perf_counter()
-            run()
-            if round_:
-                seconds.append(time.perf_counter() - begun)
-    return [statistics.median(seconds) for seconds in times]
-
-
 def measure(name, contenders):
     """Rows of COLUMNS, sorted by time within a method as given."""
     results = [contender.run() for contender in contenders]
-    seconds = medians([contender.run for contender in contenders])
+    seconds = plane.medians([contender.run for contender in contenders])
     points = [(s, c.error(r)) for s, c, r in zip(seconds, contenders, results, strict=True)]
-    front = pareto(points)
+    front = plane.front(points)
     return [
         {
             "technique": name, "method": c.method, "setting": c.setting, "milliseconds": f"{1e3 * s:.4g}",
@@ -90,20 +76,10 @@ def measure(name, contenders):
     ]  # fmt: skip
 
 
-def pareto(points):
-    """Indices of the points (seconds, error) that no other beats or equals in both."""
-    front, least = set(), math.inf
-    for i in sorted(range(len(points)), key=points.__getitem__):
-        if points[i][1] < least:
-            front.add(i)
-            least = points[i][1]
-    return front
-
-
 def measure_growth(name, series):
     """Rows of GROWTH_COLUMNS for a dict: method -> dict of size -> function to time; all take turns."""
     runs = [(method, size, run) for method, sizes in series.items() for size, run in sizes.items()]
-    seconds = medians([run for _, _, run in runs])
+    seconds = plane.medians([run for _, _, run in runs])
     taken = {(method, size): s for (method, size, _), s in zip(runs, seconds, strict=True)}
     exponents = {method: slope(list(sizes), [taken[method, n] for n in sizes]) for method, sizes in series.items()}
     return [

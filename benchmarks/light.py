@@ -5,8 +5,8 @@ import sys
 import numpy as np
 
 import framework as fw
-from benchmarks.harness import medians
 from benchmarks.prefilter import filtered_sampling
+from framework.plane import medians
 from solutions import fast
 
 ROUGHNESS = tuple(np.arange(7) / 6)

@@ -19,6 +19,7 @@ _HOME = {
     "Scene": "scene",
     "SceneObject": "scene",
     "hammersley": "sampling",
+    "interact": "interact",
     "load_mesh": "mesh",
     "load_scene": "scene_file",
     "normalize": "arrays",
@@ -33,7 +34,7 @@ _HOME = {
     "tone_map": "image",
     "write_image": "image",
 }
-_MODULES = ("arrays", "camera", "environment", "ggx", "image", "mesh", "metrics", "raster", "sampling", "sdf",
+_MODULES = ("arrays", "camera", "environment", "ggx", "image", "mesh", "metrics", "plane", "raster", "sampling", "sdf",
             "show", "skies")  # fmt: skip
 
 __all__ = [*_HOME, *_MODULES]

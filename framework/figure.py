@@ -101,6 +101,10 @@ class Picture(Figure):
             self._ipython_display_()
         return self
 
+    def is_shown(self):
+        """Whether `present` has shown it in a notebook."""
+        return hasattr(self, "_shown_in")
+
     def _ipython_display_(self):
         cell = _cell()
         if cell != getattr(self, "_shown_in", None):

@@ -4,15 +4,18 @@ Each function returns a matplotlib figure that is drawn without pyplot; in a not
 matplotlib is loaded by the first picture; `comparison_images` does without it.
 """
 
+from contextlib import contextmanager
+
 import numpy as np
 
 from framework import colors
 from framework.arrays import as_number, as_positive
 from framework.comparison import Comparison, comparison_images, contour_step, value_range
 
+_PIXELS_AN_INCH = 72  # in notebooks, see `Picture.png`
 _BAR = 0.52  # inches that a colour bar takes below its picture, see `Picture.bar_at`
 
-__all__ = ["Comparison", "comparison", "comparison_images", "image", "march_heat_map", "sdf_slice"]
+__all__ = ["Comparison", "comparison", "comparison_images", "image", "march_heat_map", "plot", "sdf_slice", "strip"]
 
 
 def image(image, title=None):
@@ -148,6 +151,67 @@ def march_heat_map(counts, title=None):
     finite = pixels[np.isfinite(pixels)]
     notes = [f"Mean {finite.mean():.1f} a pixel, at most {finite.max():g}."] if finite.size else []
     return _scalar(pixels, title or "Cost of the march", "evaluations of the distance field", notes)
+
+
+def strip(pictures, names, title=None, caption=None):
+    """Pictures in a row, each under its name, pixel by pixel as they are.
+
+    Parameters
+    ----------
+    pictures : sequence of (H, W, 3)    of one size; display values: uint8, or float in [0, 1], see `fw.tone_map`
+    names : sequence of str             one for each picture
+    title, caption : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    shown = [display_pixels(picture) for picture in pictures]
+    if not shown or len({pixels.shape for pixels in shown}) > 1 or len(names) != len(shown):
+        raise ValueError("show.strip: pictures of one size are wanted, and a name for each")
+    height, width = (n / _PIXELS_AN_INCH for n in shown[0].shape[:2])
+    gap, above = 0.12, 0.2
+    figure = _picture(len(shown) * (width + gap) - gap, above + height, title, caption)
+    for column, (pixels, name) in enumerate(zip(shown, names, strict=True)):
+        figure.image_at(column * (width + gap), above, width, height, pixels, name)
+    return figure.present()
+
+
+@contextmanager
+def plot(x, y, title=None, caption=None, width=5.6, height=3.2):
+    """Axes to draw curves on, for a `with` block at whose end they are shown.
+
+    Parameters
+    ----------
+    x, y : str                  what the axes show, with the unit: "distance from the edge, scene units"
+    title, caption : str, optional
+    width, height : float       of the axes, inches
+
+    Yields
+    ------
+    matplotlib.axes.Axes        what is drawn with a `label` gets a legend
+    """
+    left, below = 0.55, 0.45
+    figure = _picture(left + width, height + below, title, caption)
+    axes = figure.axes_at(left, 0, width, height)
+    axes.set(xlabel=x, ylabel=y)
+    axes.grid(alpha=0.25, linewidth=0.6)
+    yield axes
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize=8, frameon=False)
+    figure.present()
+
+
+def display_pixels(picture):
+    """A picture of display values as (H, W, 3) uint8."""
+    pixels = np.asarray(picture)
+    if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.size == 0:
+        raise ValueError(f"the picture has shape {pixels.shape}; (H, W, 3) is wanted")
+    if pixels.dtype == np.uint8:
+        return pixels
+    if pixels.dtype.kind != "f" or not np.isfinite(pixels).all() or pixels.min() < 0 or pixels.max() > 1:
+        raise ValueError("the picture's values are not all in [0, 1]; fw.tone_map brings radiance there")
+    return np.rint(255 * pixels).astype(np.uint8)
 
 
 def _scalar(pixels, title, label, notes):

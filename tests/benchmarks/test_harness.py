@@ -22,21 +22,10 @@ def read(path):
         return list(csv.DictReader(file))
 
 
-def test_the_front_holds_what_nothing_beats_in_time_and_error():
-    points = [(1.0, 5.0), (2.0, 5.0), (2.0, 3.0), (3.0, 4.0), (4.0, 3.0), (9.0, 0.0)]
-    assert harness.pareto(points) == {0, 2, 5}
-
-
 @pytest.mark.parametrize("power", [0.5, 1.0, 2.0])
 def test_a_power_is_found_again(power):
     sizes = [10, 100, 1000]
     assert harness.slope(sizes, [3e-3 * n**power for n in sizes]) == pytest.approx(power)
-
-
-def test_contenders_take_turns_after_a_warm_up():
-    order = []
-    harness.medians([lambda: order.append("a"), lambda: order.append("b")], repeats=3)
-    assert order == ["a", "b"] * 4
 
 
 def test_times_errors_and_work_are_those_of_the_contender(monkeypatch, tmp_path):
