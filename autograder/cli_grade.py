@@ -15,7 +15,7 @@ LIMIT_HELP = {
     "call_cpu_seconds": "CPU time of one call",
     "call_wall_seconds": "wall time of one call",
     "submission_seconds": "wall time of a submission",
-    "memory_mb": "memory of a process, in MiB",
+    "memory_mb": "memory of a process, and of a sandbox where it has a control group, in MiB",
     "file_mb": "size of a file that it may write, in MiB",
     "output_bytes": "bytes of its output that are kept",
 }

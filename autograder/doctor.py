@@ -40,10 +40,14 @@ def report() -> int:
         version = _version(name)
         _line(None if version is None else True, name, version or "not installed", worth)
     if os.name == "posix":
+        from autograder import cgroup
         from autograder.sandbox import PROCESS, strongest_level
 
         level = strongest_level()
         _line(None if level == PROCESS else True, "isolation", level, "", always=WORTH[level])
+        group = cgroup.delegated()
+        _line(True if group else None, "control groups", f"below {group}" if group else "none to be had",
+              "memory is bounded for each process, not for all of a sandbox; try `systemd-run --user --scope course ...`")
     else:
         _line(None, "isolation", "none", "grading strangers' notebooks needs Linux, for instance WSL 2")
     from framework import compiled

@@ -11,7 +11,6 @@ import contextlib
 import functools
 import os
 import select
-import shutil
 import signal
 import socket
 import subprocess
@@ -22,7 +21,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from autograder import wall
+from autograder import cgroup, syscalls, wall
 from framework import compiled
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -53,6 +52,7 @@ class Ended:
     peak_memory_mb: float = 0.0
     cpu_seconds: float = 0.0
     clean: bool = True
+    out_of_memory: bool = False
 
 
 class Sandbox:
@@ -61,7 +61,8 @@ class Sandbox:
     def __init__(self, level, limits, forbidden_modules=()):
         self.level, self.limits = level, limits
         self._forbidden = tuple(forbidden_modules)
-        self._process = None
+        self._process = self._group = None
+        self._killed = 0
 
     def __enter__(self):
         self._home = tempfile.TemporaryDirectory(prefix="course-") if self.level == PROCESS else None
@@ -70,10 +71,10 @@ class Sandbox:
         self.control, theirs = socket.socketpair()
         inherited = [theirs.fileno()]
         try:
-            outer = _seccomp_file(_OUTER) if self.level == NAMESPACES_SECCOMP else None
+            outer = syscalls.filter_file(syscalls.OUTER) if self.level == NAMESPACES_SECCOMP else None
             if outer is not None:
                 inherited.append(outer)
-            command = self._command(theirs.fileno(), outer)
+            command = self._grouped(self._command(theirs.fileno(), outer))
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=write, stderr=write, pass_fds=inherited,
                 env=self._environment(), start_new_session=True, cwd=self._home.name if self._home else "/",
@@ -102,6 +103,8 @@ class Sandbox:
                 os.killpg(self._process.pid, signal.SIGKILL)
             self._process.wait()
             self._process = None
+        if self._group is not None:
+            self._group.end()
         with contextlib.suppress(OSError):
             os.close(self._output)
         if self._home is not None:
@@ -128,7 +131,8 @@ class Sandbox:
         except OSError:
             return None
         code, signum, peak, cpu, left = wall.ENDED.unpack(block)
-        return Ended(code, signum, peak / 1024, cpu / 1000, left == 0)
+        before, self._killed = self._killed, self._group.out_of_memory() if self._group else 0
+        return Ended(code, signum, peak / 1024, cpu / 1000, left == 0, self._killed > before)
 
     def readable(self, link, deadline):
         """Wait until `link` can be read, keeping the student's output flowing; False after `deadline`."""
@@ -164,7 +168,7 @@ class Sandbox:
     def _config(self):
         inner = None
         if self.level == NAMESPACES_SECCOMP:
-            fd = _seccomp_file(_INNER)
+            fd = syscalls.filter_file(syscalls.INNER)
             with os.fdopen(fd, "rb") as file:
                 inner = file.read()
         return {
@@ -188,6 +192,16 @@ class Sandbox:
             compiled.COPIED_FROM: kernels, "PATH": "/usr/bin:/bin", "LC_ALL": "C.UTF-8", "PYTHONHASHSEED": "0",
             "PYTHONDONTWRITEBYTECODE": "1",
         }  # fmt: skip
+
+    def _grouped(self, command):
+        parent = cgroup.delegated()
+        if parent is None:
+            return command
+        try:
+            self._group = cgroup.Group(parent, self.limits.memory_mb)
+        except OSError as error:
+            raise SandboxFailed(f"no control group can be made: {error}") from None
+        return self._group.entered(command)
 
     def _command(self, control, seccomp):
         root = str(ROOT) if self.level == PROCESS else "/course"
@@ -256,7 +270,7 @@ class Pool:
 def strongest_level() -> str:
     """The strongest isolation that this machine starts, found by starting it."""
     for level in STRENGTH[:-1]:
-        if level == NAMESPACES_SECCOMP and not _has_seccomp():
+        if level == NAMESPACES_SECCOMP and not syscalls.available():
             continue
         try:
             with Sandbox(level, Limits()) as sandbox:
@@ -301,55 +315,3 @@ def _bubblewrap(forbidden):
         *([] if any(prefix.startswith("/tmp/") for prefix in prefixes) else ["--symlink", SCRATCH, "/tmp"]),
         "--remount-ro", "/", "--chdir", SCRATCH,
     ]  # fmt: skip
-
-
-# System calls that no solution needs. The outer filter holds for the zygote too, which must fork.
-_OUTER = (
-    "ptrace", "process_vm_readv", "process_vm_writev", "process_madvise", "pidfd_getfd", "kcmp", "mount", "umount2",
-    "pivot_root", "chroot", "move_mount", "open_tree", "fsopen", "fsconfig", "fsmount", "fspick", "mount_setattr",
-    "unshare", "setns", "keyctl", "add_key", "request_key", "bpf", "perf_event_open", "userfaultfd",
-    "io_uring_setup", "io_uring_enter", "io_uring_register", "kexec_load", "kexec_file_load", "init_module",
-    "finit_module", "delete_module", "open_by_handle_at", "name_to_handle_at", "memfd_create", "memfd_secret",
-    "shmget", "shmat", "msgget", "semget", "mq_open", "personality", "quotactl", "swapon", "swapoff", "reboot",
-    "settimeofday", "clock_settime", "clock_adjtime", "adjtimex", "acct", "syslog", "lookup_dcookie", "vhangup",
-    "iopl", "ioperm", "modify_ldt", "fanotify_init", "inotify_init", "inotify_init1", "landlock_create_ruleset",
-    "socket", "connect", "bind", "listen", "accept", "accept4",
-)  # fmt: skip
-# The inner filter is laid over each task before the student's code runs: threads, but no further processes.
-_INNER = ("fork", "vfork", "execve", "execveat", "kill", "tkill", "pidfd_open", "pidfd_send_signal", "setsid")
-_CLONE_THREAD = 0x00010000
-
-
-def _has_seccomp():
-    try:
-        import pyseccomp  # noqa: F401
-    except (ImportError, OSError, RuntimeError):
-        return False
-    return True
-
-
-def _seccomp_file(names):
-    """A BPF program that lets `names` fail with EPERM, as an open file at its start."""
-    import errno
-
-    import pyseccomp as seccomp
-
-    program = seccomp.SyscallFilter(seccomp.ALLOW)
-    for name in names:
-        with contextlib.suppress(RuntimeError, ValueError, OSError):  # a call that this system does not know
-            program.add_rule(seccomp.ERRNO(errno.EPERM), name)
-    if names is _INNER:
-        # without flags that can be read in a register, libc falls back to clone
-        program.add_rule(seccomp.ERRNO(errno.ENOSYS), "clone3")
-        program.add_rule(seccomp.ERRNO(errno.EPERM), "clone",
-                         seccomp.Arg(0, seccomp.MASKED_EQ, _CLONE_THREAD, 0))  # fmt: skip
-    fd = os.memfd_create("seccomp")
-    with os.fdopen(os.dup(fd), "wb") as file:
-        program.export_bpf(file)
-    os.lseek(fd, 0, os.SEEK_SET)
-    return fd
-
-
-def which_bubblewrap() -> str | None:
-    """Where bubblewrap is, if it is installed."""
-    return shutil.which("bwrap")

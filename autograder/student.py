@@ -227,6 +227,8 @@ def why_ended(failure, ended, limits):
     """The failure of a task whose process ended, told by how it ended."""
     if failure.status != "crashed" or ended is None:
         return failure
+    if ended.out_of_memory:
+        return Failure("out_of_memory", f"it used over {limits.memory_mb} MiB")
     if ended.signal == signal.SIGXCPU:
         return Failure("timeout", f"a call used over {limits.call_cpu_seconds} s of CPU time: does a loop never end?")
     if ended.signal and ended.signal != signal.SIGKILL:

@@ -97,7 +97,7 @@ def _memory(pid):
             return 0.0
         rollup = Path(f"/proc/{pid}/smaps_rollup").read_text()
         own = next(int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:")) / 1024
-        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+        children = [word for file in Path(f"/proc/{pid}/task").glob("*/children") for word in file.read_text().split()]
     except (OSError, StopIteration):  # it has ended meanwhile
         return 0.0
     return own + sum(map(_memory, children))
