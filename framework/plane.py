@@ -4,6 +4,7 @@ import math
 import statistics
 import time
 from dataclasses import dataclass
+from typing import Any
 
 REPEATS = 7
 _COLORS = ("#2f6db5", "#d1622b", "#3f8f5b", "#8a4fa3", "#b8922a", "#5c6170", "#c23b5a")
@@ -95,6 +96,17 @@ def show(points, error, title=None):
             color, own = _COLORS[number % len(_COLORS)], [p for p in drawn if p.method == method]
             across, up = [p.milliseconds for p in own], [p.error for p in own]
             axes.plot(across, up, "o-", color=color, markersize=4, linewidth=1, label=method)
-            for p in own:
-                axes.annotate(p.setting, (p.milliseconds, p.error), xytext=(4, 4), textcoords="offset points",
-                              fontsize=7, color=color)  # fmt: skip
+        _label(axes, drawn)
+
+
+def _label(axes, points):
+    """The setting beside each point, where it hides no other's."""
+    axes.figure.draw_without_rendering()  # settles the scales, which places depend on
+    taken: list[Any] = []
+    for p in points:
+        text = axes.annotate(p.setting, (p.milliseconds, p.error), xytext=(4, 4), textcoords="offset points", fontsize=7)
+        box = text.get_window_extent()
+        if any(box.overlaps(other) for other in taken):
+            text.remove()
+        else:
+            taken.append(box)

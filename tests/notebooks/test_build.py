@@ -8,6 +8,9 @@ import pytest
 
 from notebooks import build
 
+HEADINGS = ["The question", "The idea", "The code", "The picture", "Run time against error",
+            "What goes wrong, and the cure", "Exercises", "Where to read on"]  # fmt: skip
+
 
 @pytest.fixture(params=build.sources(), ids=lambda source: source.stem)
 def source(request):
@@ -42,6 +45,19 @@ def test_outputs_are_there_without_complaints_and_without_what_needs_a_kernel(so
             assert "image/png" in kinds, cell.source
         if re.search(r"^(for .*\n)?\s*print\(", cell.source, re.MULTILINE):
             assert "stdout" in kinds, cell.source
+
+
+def test_the_sections_come_in_their_order(notebook):
+    text = "\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
+    found = re.findall(r"^## (.+)$", text, re.MULTILINE)
+    assert [heading for heading in found if heading in HEADINGS] == HEADINGS
+    exercises = text[text.index("## Exercises") : text.index("## Where to read on")]
+    assert exercises.count("<details>") == exercises.count("</details>") == 3
+
+
+def test_a_notebook_has_a_slider_and_the_plane(notebook):
+    code = "\n".join(cell.source for cell in notebook.cells if cell.cell_type == "code")
+    assert "fw.interact(" in code and "fw.plane.show(" in code
 
 
 def test_a_cell_that_warns_or_raises_stops_the_build(tmp_path):
