@@ -53,7 +53,8 @@ def name(task, calls):
     -------
     Likely, or None where nothing can be claimed
     """
-    return known(task.assignment, task.id).nearest(answers(task, calls))
+    with np.errstate(all="ignore"):  # an answer may hold anything
+        return known(task.assignment, task.id).nearest(answers(task, calls))
 
 
 def answers(task, calls) -> dict[str, np.ndarray]:

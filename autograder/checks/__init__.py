@@ -229,7 +229,7 @@ def _refuse_not_finite(function, value, arguments):
     bad = np.isnan(value) if function.infinite else ~np.isfinite(value)
     if not bad.any():
         return
-    where, first = "", np.asarray(arguments[0]) if arguments and not callable(arguments[0]) else np.array(None)
+    where, first = "", np.asarray(arguments[0] if isinstance(arguments[0], (np.ndarray, float, int)) else None)
     place = np.unravel_index(np.argmax(bad), bad.shape)
     if first.dtype.kind in "biuf":
         shared = [k for k in range(1, bad.ndim + 1) if first.shape[:k] == bad.shape[:k]]

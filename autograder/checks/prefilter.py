@@ -22,7 +22,7 @@ SAMPLES = 256
 def _distribution(arguments, values):
     """Half vectors as a distribution: either column of xi may be the tilt, and azimuths may start anywhere."""
     half = values[0]
-    if len(half) < 100 or np.ndim(arguments[1]):
+    if len(half) < 100 or np.ndim(arguments[1]) or not np.isfinite(half).all():
         return values
     tilt, sector = np.arctan2(np.hypot(half[:, 0], half[:, 1]), half[:, 2]), np.arctan2(half[:, 1], half[:, 0])
     sector = np.clip((sector / (2 * np.pi) % 1.0) * 8, 0, 7).astype(int)

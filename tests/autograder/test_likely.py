@@ -1,5 +1,6 @@
 """Known mistakes are recognised in answers, made in the known way or another; right answers are taken for none."""
 
+import importlib
 import inspect
 
 import nbformat
@@ -9,10 +10,12 @@ from other_ways import made_otherwise
 
 from autograder import checks, likely, likely_record, mistakes
 from autograder.grade import grade
+from autograder.judge import run_check, seed_of
 from autograder.mistakes import sphere_tracing as wrong
 from autograder.mistakes.right import sphere_tracing as right
 from autograder.notebook import as_text, judge
 from autograder.samples import filled_notebook
+from autograder.student import InMemory
 
 NAMES = checks.available()
 SLOW = {"2.5", "4.5", "4.6", "5.2", "5.3"}
@@ -93,6 +96,31 @@ def test_an_answer_that_always_fails_is_given_no_name():
 
     assert judge("1.4", {"blend": broken})["likely"] is None
     assert judge("1.4", {"blend": lambda d1, d2, t: d1 * np.nan})["likely"] is None
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300, -1e300, 0.0], ids=str)
+def test_any_numbers_can_be_compared(value):
+    for name in NAMES:
+        for task in checks.assignment(name).tasks:
+            if task.id not in SLOW:
+                calls = InMemory({f.name: _Filled(f, value) for f in task.functions}, task).call
+                likely.name(task, run_check(task, calls, _reference(name), seed_of(b"", name, task.id, True), True).calls)
+
+
+class _Filled:
+    """A function that answers with one number, in the shape that is promised."""
+
+    def __init__(self, function, value):
+        self._function, self._value = function, value
+
+    def __call__(self, *arguments):
+        returns = self._function.returns(*arguments)
+        parts = [np.full(shape, self._value) for shape in returns.shapes]
+        return parts if returns.sequence else parts[0]
+
+
+def _reference(name):
+    return importlib.import_module(f"solutions.{name}")
 
 
 def test_a_notebook_is_told_the_symptom_and_where_to_think_again():
