@@ -57,6 +57,11 @@ def grade(path, student, pool, secret=DEFAULT_SECRET, assignment=None, problem="
     return result, judgements
 
 
+def judgements_of(read, pool, secret):
+    """Every task of what was read, judged: a Judgement each."""
+    return _Session(read, pool, secret, {}).judge_all(())
+
+
 class _Session:
     """One submission, and what was learnt while its tasks were judged."""
 

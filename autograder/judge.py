@@ -195,7 +195,7 @@ def _status(states):
 def check_record(judgement):
     """A task's entry in the result."""
     measures = [m for r in judgement.rounds for m in r.measures]
-    worst = max((m for m in measures if not m.work), key=_over, default=None)
+    worst = worst_of(judgement)
     work = max((m for m in measures if m.work), key=_over, default=None)
     failure = next((r.failure for r in judgement.rounds if r.failure is not None), None)
     return {
@@ -213,6 +213,13 @@ def check_record(judgement):
         "traceback": failure.traceback if failure else "", "prints": judgement.printed,
         "measures": _merged(judgement), "inputs": _inputs_id(judgement),
     }  # fmt: skip
+
+
+def worst_of(judgement, finite=False):
+    """The measure, work apart, whose (finite) error is largest against its tolerance; None where there is none."""
+    measures = [m for r in judgement.rounds for m in r.measures if not m.work]
+    measures = [m for m in measures if not finite or math.isfinite(m.error)]
+    return max(measures, key=_over, default=None)
 
 
 def _inputs_id(judgement):

@@ -18,6 +18,7 @@ import jinja2
 from markupsafe import Markup
 
 from autograder import report_view as view
+from framework import colors
 
 # A spreadsheet runs a cell that starts so; some take the full-width forms too.
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")
@@ -45,15 +46,16 @@ def write_page(result, json_path, out):
     submission = view.submission(result)
     view.embed_pictures(submission["checks"], json_path.parent, out / "pages")
     page = out / "pages" / json_path.parent.name / f"{json_path.stem}.html"
-    template = _templates().get_template("page.html")
-    write_whole(page, template.generate(**submission, style=_style("base.css", "page.css")))
+    template = templates().get_template("page.html")
+    shared = {"style": style("base.css", "page.css"), "script": script("page.js")}
+    write_whole(page, template.generate(**submission, **shared))
     return page
 
 
 def write_index(out):
     """Write `out/index.html`, a summary and a row for each result, holding one result at a time."""
     out = Path(out)
-    row, index = (_templates().get_template(name) for name in ("row.html", "index.html"))
+    row, index = (templates().get_template(name) for name in ("row.html", "index.html"))
     tally, places = _Tally(), []
     with tempfile.TemporaryFile() as rows:  # the summary stands above the rows, and is known after them
         for path, result, problem in view.results(out):
@@ -65,13 +67,12 @@ def write_index(out):
             text = row.render(**shown, student=student, assignment=assignment)
             places.append((student, assignment, rows.tell()))
             rows.write(text.replace("\n", " ").encode() + b"\n")
-        script = Markup((TEMPLATES / "index.js").read_text(encoding="utf-8"))
         chunks = index.generate(
             tally=tally,
             rows=_lines(rows, sorted(places)),
             check_words=view.CHECK_WORDS,
-            script={"text": script, "hash": _csp_hash(script)},
-            style=_style("base.css", "index.css"),
+            script=script("index.js"),
+            style=style("base.css", "index.css"),
         )
         write_whole(out / "index.html", chunks)
 
@@ -162,22 +163,29 @@ def _lines(file, places):
 
 
 @cache
-def _templates():
+def templates():
+    """The pages' templates, in which every value is escaped."""
     loader = jinja2.FileSystemLoader(TEMPLATES)
     env = jinja2.Environment(
         loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
+    env.globals.update(signed_colors=_stops(colors.SIGNED_ERROR), error_colors=_stops(colors.ERROR))
     env.filters.update(figure=_figure, points=_points, count=_count, title=_title)
     return env
 
 
+def _stops(table):
+    """Nine colours of a table, as `(percent, #rrggbb)`."""
+    return [(round(100 * k / 8, 1), f"#{bytes(table[k * (len(table) - 1) // 8]).hex()}") for k in range(9)]
+
+
 def _figure(value):
     """A measured number with three digits: 0.0213, 1.2×10⁻⁵."""
-    text = f"{value:.3g}"
+    text = f"{value + 0.0:.3g}"  # no −0
     if "e" not in text:
         return text.replace("-", "−")
     mantissa, power = text.split("e")
-    return f"{mantissa}×10{str(int(power)).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
+    return f"{mantissa.replace('-', '−')}×10{str(int(power)).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
 
 
 def _points(value):
@@ -196,10 +204,13 @@ def _title(name):
     return words[:1].upper() + words[1:]
 
 
-def _style(*names):
-    """The style sheets as one, and the word that lets the page's policy accept it."""
+def style(*names):
+    """Style sheets as one, and the word that lets the page's policy accept it."""
     text = Markup("".join((TEMPLATES / name).read_text(encoding="utf-8") for name in names))
     return {"text": text, "hash": _csp_hash(text)}
+
+
+script = style  # the policy accepts a script in the same way
 
 
 def _csp_hash(text):

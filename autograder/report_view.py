@@ -13,6 +13,9 @@ from math import isfinite, log10
 from numbers import Real
 from urllib.parse import quote
 
+from autograder import next_step
+from autograder.plane import plane
+
 SUBMISSION_WORDS = {
     "graded": "Graded",
     "not_attempted": "Not attempted: every solution cell is as released",
@@ -33,7 +36,7 @@ CHECK_WORDS = {
 }
 PICTURES = {"yours": "Yours", "reference": "Expected", "difference": "Difference"}
 PICTURE_BYTES = 1_200_000  # all pictures of a page; 1.6 MB in base 64, which keeps the page below 2 MB
-PICTURE_WIDTH = 256  # CSS pixels: three fit beside each other on a desk, one on a phone
+PICTURE_WIDTH = 384  # CSS pixels: two fit beside each other on a desk; three, and on a phone, are scaled down
 RESULT_BYTES = 16 << 20
 MEASURES = 40  # shown for a check
 DECADES = 3  # of the error's scale, on each side of the tolerance
@@ -101,7 +104,7 @@ def submission(result):
     require_result(result)
     checks = [_check(check) for check in result["checks"]]
     gains = sorted((c for c in checks if c["max_score"] > c["score"]), key=_loss, reverse=True)
-    return {
+    shown = {
         **{key: text(result.get(key), 200) for key in ("student", "assignment", "isolation")},
         **{key: number(result.get(key)) for key in ("score", "max_score", "wall_seconds", "peak_memory_mb")},
         "status": result["status"],
@@ -109,9 +112,10 @@ def submission(result):
         "message": text(result.get("message")),
         "weak": is_weak(result),
         "checks": checks,
-        "gains": gains[:3],
+        "gains": gains,
         "record": _flat(result.get("record")),
     }
+    return shown | {"first": next_step.sentence(shown)}
 
 
 def row(result):
@@ -154,12 +158,32 @@ def _check(check):
         "evaluations": done,
         "evaluations_reference": needed,
         "work": _ratio(done, needed),
+        "judged": number(check.get("error")) is not None,
+        "kind": text(check.get("kind"), 20),
         "scale": number(check.get("scale")),
+        **_planes(check),
         "traceback": text(check.get("traceback"), 8000).strip("\n"),
         "prints": text(check.get("prints"), 20000).strip("\n"),
         "images": images if isinstance(images, dict) else {},
         "pictures": [],
     }
+
+
+def _planes(check):
+    """The student and the reference on the planes of time and of evaluations against error."""
+    against = check.get("against_reference")
+    against = against if isinstance(against, dict) else {}
+    error, right, limit = (number(against.get(key)) for key in ("error", "error_reference", "tolerance"))
+    seconds = [number(check.get(key)) for key in ("cpu_seconds", "cpu_seconds_reference")]
+    counts = [number(check.get(key)) for key in ("evaluations", "evaluations_reference")]
+    planes = []
+    for name, unit, costs in (("CPU time of the task", "s", seconds), ("SDF evaluations", "", counts)):
+        figures = [error, right, limit, *costs]
+        if all(figure is not None and figure >= 0 for figure in figures):
+            you, other = ({"error": e, "cost": c} for e, c in zip((error, right), costs, strict=True))
+            points = [other | {"kind": "reference"}, you | {"kind": "you"}]
+            planes.append(plane(points, limit, unit=unit) | {"across": name})
+    return {"planes": planes, "compared": text(against.get("measure"), 100), "compared_limit": limit}
 
 
 def _measure(measure, max_score):

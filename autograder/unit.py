@@ -12,7 +12,7 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from autograder import report, submission
+from autograder import report, submission, yardstick
 from autograder.discover import Unit, member_bytes
 from autograder.grade import grade, merged
 from autograder.sandbox import PROCESS, Limits, Pool
@@ -85,6 +85,7 @@ def judge(unit, block, job, before=None) -> Graded:
         points = job.points.get(assignment, {})
         only = job.tasks if before is not None else frozenset()
         result, judgements = grade(path, unit.student, pool, job.secret, assignment, problem, points, only)
+    yardstick.add(result["checks"], judgements, job, result["assignment"])
     if before is not None:
         result = merged(before, result)
     elif unit.message:
@@ -127,7 +128,7 @@ def _drawn(picture, record):
     from framework.comparison import comparison_images
 
     shown = comparison_images(picture.yours, picture.expected, picture.kind)
-    record.update(scale=shown.scale, caption=f"{picture.caption}. {shown.caption}")
+    record.update(kind=shown.kind, scale=shown.scale, caption=f"{picture.caption}. {shown.caption}")
     drawn = []
     for pixels in (shown.yours, shown.expected, shown.difference):
         file = io.BytesIO()
