@@ -14,8 +14,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from autograder import sandbox, submission
-from autograder.unit import block_of, fingerprint, judge, store
+from autograder import sandbox, store, submission
+from autograder.unit import block_of, fingerprint, judge
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def run(units, job, place, progress) -> dict[str, int]:
             finished, _ = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
             for future in finished:
                 graded = future.result()
-                store(graded.result, graded.pictures, job.out, graded.unit.folder)
+                store.write(graded.result, graded.pictures, job.out, graded.unit.folder)
                 running.discard(future)
                 done(graded.unit, graded.result["status"], False)
         except KeyboardInterrupt:

@@ -6,13 +6,13 @@ import argparse
 import sys
 from pathlib import Path
 
-import framework
-from autograder import cli_grade
-from autograder.usage import Usage, compile_first, count
+from autograder import cli_grade, cli_student
+from autograder.usage import Usage, compile_first, count, parser_of, run
 
 DESCRIPTION = """\
 The environment mapping course. Students check their notebooks, instructors grade and release them.
 
+  course start sphere_tracing                 a folder with the notebook, to work in
   course check sphere_tracing.ipynb           the public checks of a notebook
   course grade submissions/ --out results     every notebook below a folder
   course doctor                               what this machine has, and what is missing"""
@@ -20,30 +20,21 @@ The environment mapping course. Students check their notebooks, instructors grad
 
 def main(arguments=None) -> int:
     """Run one command; returns the exit code."""
-    parser = _parser()
-    options = parser.parse_args(arguments)
-    try:
-        return options.run(options) or 0
-    except KeyboardInterrupt:
-        print("stopped; run the same command again to go on", file=sys.stderr)
-        return 130
-    except Usage as problem:
-        print(f"course: {problem}", file=sys.stderr)
-        return 2
+    return run(_parser(), arguments)
 
 
 def _parser():
-    parser = argparse.ArgumentParser(
-        prog="course", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--version", action="version", version=f"course {framework.__version__}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-
-    check = commands.add_parser("check", help="run a notebook's public checks, in the terminal and as a page")
-    check.add_argument("notebook", type=Path)
-    check.set_defaults(run=_check)
-
+    parser, commands = parser_of(DESCRIPTION)
+    cli_student.add_commands(commands)
     cli_grade.add_commands(commands)
+
+    bundle = commands.add_parser(
+        "bundle", help="make the zip to hand out to students, which installs and works on its own",
+        description="Pack what students get: the framework, the assignments, and the public half of the checks. "
+        "No solution and no hidden input is in it. Its README leads from the zip to a checked notebook.",
+    )  # fmt: skip
+    bundle.add_argument("--out", metavar="ZIP", type=Path, default=Path("course.zip"), help="default: %(default)s")
+    bundle.set_defaults(run=_bundle)
 
     export = commands.add_parser("export", help="write graded results in another tool's format")
     export.add_argument("graded", metavar="DIR", type=Path, help="what `course grade --out DIR` has written")
@@ -99,31 +90,6 @@ def _parser():
     return parser
 
 
-def _check(options):
-    import shutil
-    import tempfile
-
-    from autograder import notebook, submission, unit
-
-    if not options.notebook.is_file():
-        raise Usage(f"{options.notebook} is not a file")
-    compile_first()
-    try:
-        result, judgements = notebook.check_file(options.notebook)
-    except submission.Rejected as rejected:
-        raise Usage(f"{options.notebook}: {rejected}") from None
-    for record in result["checks"]:
-        sign, _, words = notebook.WORDS[record["status"]]
-        said = "" if record["status"] in ("pass", "not_attempted") else f": {record['message']}"
-        print(f"{sign} {record['id']} {record['name']}: {words}{said}")
-    page = options.notebook.with_name(f"{options.notebook.stem}-check.html")
-    with tempfile.TemporaryDirectory() as folder:
-        unit.store(result, unit.draw(result, judgements), Path(folder), "you")
-        shutil.copyfile(Path(folder) / "pages" / "you" / f"{result['assignment']}.html", page)
-    print(f"open {page}")
-    return 0
-
-
 def _export(options):
     from autograder import export, gradescope
 
@@ -137,6 +103,17 @@ def _export(options):
         print(f"course: left out, unreadable: {problem}", file=sys.stderr)
     print(f"{count} results in {out}")
     return 1 if problems else 0
+
+
+def _bundle(options):
+    from autograder import bundle
+
+    try:
+        files = bundle.write(options.out)
+    except OSError as error:
+        raise Usage(f"{options.out} cannot be written: {error.strerror}") from None
+    print(f"{options.out}: {len(files)} files, {options.out.stat().st_size >> 10} KiB; its README.md says what to do")
+    return 0
 
 
 def _release(options):

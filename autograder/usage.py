@@ -1,12 +1,37 @@
-"""What commands share: arguments that cannot be used, numbers from the command line, the first use of a machine."""
+"""What commands share: the parser, how one runs, arguments that cannot be used, the first use of a machine."""
 
 from __future__ import annotations
 
 import argparse
+import sys
+
+import framework
 
 
 class Usage(Exception):
     """Arguments that cannot be used: why, in one sentence."""
+
+
+def parser_of(description):
+    """The parser of `course`, and where its commands are added."""
+    parser = argparse.ArgumentParser(
+        prog="course", description=description, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--version", action="version", version=f"course {framework.__version__}")
+    return parser, parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+
+def run(parser, arguments) -> int:
+    """Run the command that the arguments name; returns the exit code."""
+    options = parser.parse_args(arguments)
+    try:
+        return options.run(options) or 0
+    except KeyboardInterrupt:
+        print("stopped; run the same command again to go on", file=sys.stderr)
+        return 130
+    except Usage as problem:
+        print(f"course: {problem}", file=sys.stderr)
+        return 2
 
 
 def count(text) -> int:
