@@ -24,11 +24,13 @@ notebooks: .venv/ready
 	$(BIN)/uv pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation --editable .
 	@touch $@
 
-# The lock holds exact versions and hashes for every system, and no addresses.
+# The lock holds exact versions and hashes for every system, and no addresses; of it, what students need.
+LOCK := --quiet --universal --python-version 3.11 --no-annotate --no-header --no-emit-index-url --no-emit-find-links
 lock:
-	$(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-annotate --no-header \
-	    --no-emit-index-url --no-emit-find-links --extra instructor --extra cluster --extra dev \
+	$(BIN)/uv pip compile $(LOCK) --generate-hashes --extra instructor --extra cluster --extra dev --extra site \
 	    pyproject.toml --output-file requirements.lock
+	$(BIN)/uv pip compile $(LOCK) --extra student --constraint requirements.lock \
+	    pyproject.toml --output-file requirements-student.txt
 
 clean:
 	rm -rf .venv out build *.egg-info .hypothesis .mypy_cache .ruff_cache

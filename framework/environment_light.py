@@ -74,7 +74,7 @@ class EnvironmentLight:
             raise ValueError(f"prefiltered: direction has shape {direction.shape}; want (..., 3)")
         roughness = np.broadcast_to(np.asarray(roughness, dtype=np.float64), direction.shape[:-1]).reshape(-1)
         flat = direction.reshape(-1, 3)
-        # 1.25 is a quarter of the way from the second level to the third.
+        # A position of 1.25 lies a quarter of the way from chain[1] to chain[2].
         position = np.interp(roughness, self.roughness_levels, np.arange(len(self.chain)))
         value = np.full(flat.shape, np.nan)  # stays where the roughness is not finite
         value[np.isfinite(position)] = 0.0

@@ -70,14 +70,14 @@ def table(size):
     These cover a spherical cap evenly once the lobe is stretched to a sphere (Dupuy & Benyoub 2023); what is left is
     G2 / G1, bounded. A Fibonacci lattice, because the horizon may lie along a row of any grid: it errs by less than 1e-3.
     """
-    centers = (np.arange(size) + 0.5) / size
+    at_centers = (np.arange(size) + 0.5) / size
     count, turn = 6765, 4181
     u = (np.arange(count) + 0.5) / count
     cos_phi = np.cos(2 * np.pi * (np.arange(count) * turn % count + 0.5) / count)
-    cos_o = centers[:, None]
+    cos_o = at_centers[:, None]
     sin_o = np.sqrt(1 - cos_o**2)
     result = np.empty((size, size, 2))
-    for row, alpha in enumerate(centers**2):
+    for row, alpha in enumerate(at_centers**2):
         length = np.hypot(alpha * sin_o, cos_o)
         top_x, top_z = alpha * sin_o / length, cos_o / length
         z = 1 - u * (1 + top_z)

@@ -1,26 +1,17 @@
 """docs/instructor.md, followed to the letter: every command on the page is run, in order."""
 
-import os
-import re
 import subprocess
-import sys
 import time
-from pathlib import Path
 
 import nbformat
 import pytest
 
 from autograder.samples import filled_notebook
 from tests.drill.hostile_files import FEW
+from tests.guides import environment, follow, shell
 
 pytestmark = pytest.mark.drill
-ROOT = Path(__file__).parents[2]
-BLOCKS = re.findall(r"^```sh( cluster)?\n(.*?)^```", (ROOT / "docs" / "instructor.md").read_text(), re.M | re.S)
-
-
-def environment():
-    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    return os.environ | {"COURSE": str(ROOT), "PATH": path}
+PAGE = "docs/instructor.md"
 
 
 @pytest.fixture
@@ -34,12 +25,9 @@ def folder(tmp_path):
 
 
 def test_every_command_of_the_guide_works(folder):
-    blocks = [text for kind, text in BLOCKS if not kind]
+    blocks = shell(PAGE)
     assert sum(text.count("course ") + text.count("nbgrader ") for text in blocks) >= 13
-    for text in blocks:
-        done = subprocess.run(["bash", "-eu", "-c", text], cwd=folder, env=environment(), capture_output=True, text=True,
-                              timeout=300)  # fmt: skip
-        assert done.returncode == 0, f"{text}\n{done.stdout[-1500:]}\n{done.stderr[-1500:]}"
+    follow(blocks, folder, environment(), seconds=600)
     assert (folder / "graded" / "grades.csv").read_text().splitlines()[1].startswith("amy,sphere_tracing,graded,3.0,22.0")
     made = ["graded/export/csv/tasks.csv", "graded/export/gradescope/autograder.zip", "marks.db",
             "graded/export/prairielearn/bob/sphere_tracing/results.json",
@@ -48,7 +36,7 @@ def test_every_command_of_the_guide_works(folder):
 
 
 def test_the_cluster_of_the_guide_grades(folder):
-    (commands,) = [text.replace("grader", "127.0.0.1").splitlines() for kind, text in BLOCKS if kind]
+    (commands,) = [text.replace("grader", "127.0.0.1").splitlines() for text in shell(PAGE, "cluster")]
     (folder / "secret.txt").write_text("secret")
     stays = []
     try:
