@@ -49,7 +49,7 @@ def modules() -> list[Path]:
         found.add(path)
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "autograder":
-                waiting += [node.module, *(f"{node.module}.{name.name}" for name in node.names)]
+                waiting += [str(node.module), *(f"{node.module}.{name.name}" for name in node.names)]
     return sorted(found)
 
 
