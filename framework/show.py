@@ -189,7 +189,7 @@ def plot(x, y, title=None, caption=None, width=5.6, height=3.2):
 
     Yields
     ------
-    matplotlib.axes.Axes        what is drawn with a `label` gets a legend
+    matplotlib.axes.Axes        what is drawn with a `label` gets a legend, where the block has made none
     """
     left, below = 0.55, 0.45
     figure = _picture(left + width, height + below, title, caption)
@@ -197,7 +197,7 @@ def plot(x, y, title=None, caption=None, width=5.6, height=3.2):
     axes.set(xlabel=x, ylabel=y)
     axes.grid(alpha=0.25, linewidth=0.6)
     yield axes
-    if axes.get_legend_handles_labels()[1]:
+    if axes.get_legend_handles_labels()[1] and axes.get_legend() is None:
         axes.legend(fontsize=8, frameon=False)
     figure.present()
 
