@@ -199,8 +199,9 @@ fw.interact(noisy_ball, directions_a_pixel=[1, 2, 3, 4, 6, 8, 12], turned_by_deg
 # %% [markdown]
 # ## Run time against error
 #
-# The irradiance at 64 normals all over the sphere, in four ways, each with more and more directions. The truth is the sum
-# over all pixels; the smaller maps, made once, hold averages of their pixels. Change `sun` to 0 to take the sun out of the sky, and run the cell again.
+# The irradiance at 64 normals all over the sphere, in four ways, each with more and more directions. The truth is the
+# sum over all pixels; the smaller maps, made once, hold averages of their pixels. Change `sun` to 0 to take the sun
+# out of the sky, and run the cell again.
 
 # %%
 sun = 1.0  # yours to change: the brightness of everything above radiance 100, as a multiple

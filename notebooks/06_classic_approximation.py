@@ -41,8 +41,8 @@ import framework as fw
 #
 # $$\int_\Omega f g\, dx \;\approx\; \frac{\int_{\Omega_G} f\, dx}{\int_{\Omega_G} dx} \cdot \int_\Omega g\, dx .$$
 #
-# How wrong is it? Write $f = \bar f + (f - \bar f)$ and $g = \bar g + (g - \bar g)$ within the support, and multiply out. The mixed
-# terms vanish, because a deviation from the mean has the integral 0. Exactly one term is left:
+# How wrong is it? Write $f = \bar f + (f - \bar f)$ and $g = \bar g + (g - \bar g)$ within the support, and multiply
+# out. The mixed terms vanish, because a deviation from the mean has the integral 0. Exactly one term is left:
 #
 # $$\int f g\, dx - \bar f \int g\, dx \;=\; \int_{\Omega_G} (f - \bar f)(g - \bar g)\, dx, \qquad
 # \left|\text{error}\right| \;\le\; \sigma_f\, \sigma_g\, |\Omega_G| ,$$
@@ -118,7 +118,7 @@ softened = np.minimum(sky.resized(64).pixels, 8)
 environments = {"softboxes": fw.skies.studio(64).resized(32), "clouds": fw.Environment(softened).resized(32),
                 "even sky": fw.skies.gradient(32)}
 
-ROWS = 24  # of the maps of results
+ROWS = 20  # of the maps of results
 targets = fw.skies.constant(ROWS).directions().reshape(-1, 3)
 source = fw.skies.constant(32)
 cosines = (targets @ source.directions().reshape(-1, 3).T).astype(np.float32)
@@ -251,10 +251,10 @@ print(f"weighed by the lobe, as it should be: {exact:.2f}")
 #
 # $$\bar f_q = \frac{\int f q\, dx}{\int q\, dx},$$
 #
-# the lecture's form is $q = 1$ on the support. And $q = g$ is no approximation at all: it gives
-# $\int f g / \int g \cdot \int g$, the exact product. The closer $q$ comes to $g$, the better. But a $q$ that follows $g$ exactly would
-# depend on everything that $g$ depends on, and the map of means could not be made beforehand. **The split sum lives from a
-# $q$ that is nearly $g$ and depends on two things only, a direction and a roughness.**
+# the lecture's form is $q = 1$ on the support. And $q = g$ is no approximation at all: it gives $\int f g / \int g
+# \cdot \int g$, the exact product. The closer $q$ comes to $g$, the better. But a $q$ that follows $g$ exactly would
+# depend on everything that $g$ depends on, and the map of means could not be made beforehand. **The split sum lives
+# from a $q$ that is nearly $g$ and depends on two things only, a direction and a roughness.**
 
 # %%
 g = beckmann(d @ towards, 0.1, np.float64)
