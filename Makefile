@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
-.PHONY: demo test drill notebooks lock clean
+.PHONY: demo test drill notebooks site lock clean
 
 demo: .venv/ready
 	@$(BIN)/python -m autograder.demo --out out/demo
@@ -16,6 +16,9 @@ drill: .venv/ready
 
 notebooks: .venv/ready
 	$(BIN)/python notebooks/build.py
+
+site: .venv/ready
+	@$(BIN)/python docs/site/build.py
 
 .venv/ready: requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv

@@ -1,4 +1,4 @@
-"""Scenes as JSON: reading with messages that name the key, and writing what was read.
+"""Scenes as JSON: reading with messages that name the key, and writing what was read. For example::
 
     {"camera": {"position": [0, 1, 4], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y": 0.7},
      "objects": [{"mesh": {"file": "teapot.obj", "scale": 0.5}, "material": {"r0": 0.9, "roughness": 0.2}},
