@@ -58,7 +58,6 @@ def render_sdf(scene, camera, width, height, to_light, k, t_max=40.0, *, offset=
     # A pixel's ray is axis + column * right + row * down, not normalised.
     right, down = 2.0 / width * x / (x @ x), -2.0 / height * y / (y @ y)
     corner = axis - 0.5 * width * right - 0.5 * height * down
-    inside = float(scene(camera.position)) <= 0.0
     t = np.empty((height, width), np.float32)
     normal, visibility = np.empty((height, width, 3), np.float32), np.empty((height, width), np.float32)
     view = np.stack([camera.position, corner, right, down])
@@ -72,7 +71,6 @@ def render_sdf(scene, camera, width, height, to_light, k, t_max=40.0, *, offset=
             tape.arrays,
             tape.depth,
             view,
-            inside,
             t_max,
             light,
             t,
@@ -81,7 +79,7 @@ def render_sdf(scene, camera, width, height, to_light, k, t_max=40.0, *, offset=
         )
         for thread in range(1, threads)
     ]
-    render(0, threads, tape.arrays, tape.depth, view, inside, t_max, light, t, normal, visibility)
+    render(0, threads, tape.arrays, tape.depth, view, t_max, light, t, normal, visibility)
     for job in jobs:
         job.result()
     return t, normal, visibility

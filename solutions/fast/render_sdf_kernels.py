@@ -14,8 +14,12 @@ from framework.tape_kernels import (
     ZERO,
     distance_to_box,
     gradients,
+    lent_rows,
+    lent_tape,
+    lent_work,
     load_part,
     one_sphere,
+    part_value,
     parts_near,
     workspace,
 )
@@ -28,16 +32,31 @@ MANY = 10  # parts in a tile, above which it pays to cut it in four
 
 
 @njit(**ENTRY)
-def render(thread, threads, tape, depth, view, inside, t_max, light, out_t, out_normal, out_visibility):
+def render(thread, threads, tape, depth, view, t_max, light, out_t, out_normal, out_visibility):
     """Fill one thread's tiles of the channels (H, W), (H, W, 3), (H, W) float32.
 
     `view` is (4, 3): the camera's position, the ray through the image's upper left corner, what it changes by
-    from column to column and from row to row. `inside` says that the camera is in an object.
+    from column to column and from row to row.
     """
+    _tiles(thread, threads, tape, view, t_max, light, out_t, out_normal, out_visibility, _rooms(tape, depth))
+
+
+@njit(**OPTIONS)
+def _tiles(thread, threads, tape, view, t_max, light, out_t, out_normal, out_visibility, rooms):
+    tape, view, light = lent_tape(tape), lent_rows(view), lent_rows(light)
+    out_t, out_normal, out_visibility = lent_rows(out_t), lent_rows(out_normal), lent_rows(out_visibility)
+    work, rows, lane, owner, seen, starts, near = rooms
+    rooms = (
+        lent_work(work), lent_rows(rows), lent_rows(lane), lent_rows(owner), lent_rows(seen), lent_rows(starts),
+        lent_rows(near),
+    )  # fmt: skip
     height, width = out_t.shape
     tiles_x, tiles_y = -(-width // TILE), -(-height // TILE)
-    rooms = _rooms(tape, depth)
     work, seen, near = rooms[0], rooms[4], rooms[6]
+    x, y, z = view[0, 0], view[0, 1], view[0, 2]
+    inside = False
+    if parts_near(tape, x, y, z, 0.0, work) > 0:
+        inside = part_value(tape, work[3][0], x, y, z, work[0]) <= 0.0
     for tile in range(thread, tiles_x * tiles_y, threads):
         top, left = tile // tiles_x * TILE, tile % tiles_x * TILE
         bottom, right = min(top + TILE, height), min(left + TILE, width)
@@ -315,4 +334,4 @@ def warm():
     view = np.array([[0.0, 0.0, 3.0], [-0.5, 0.5, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     light = np.array([0.0, 1.0, 0.0, 8.0, 0.005, 0.02, 12.0])
     t, normal, visibility = (np.empty(shape, np.float32) for shape in ((1, 1), (1, 1, 3), (1, 1)))
-    render(0, 1, tape, depth, view, False, 40.0, light, t, normal, visibility)
+    render(0, 1, tape, depth, view, 40.0, light, t, normal, visibility)
