@@ -107,7 +107,7 @@ fw.show.sdf_slice(lambda p: np.minimum(box(p, (-0.6, 0, 0), (0.9, 0.6, 0.5)), sp
 # edge at 0: the wall has moved.
 
 # %%
-x = np.linspace(-1, 1, 401)
+x = np.linspace(-1, 2.4, 681)
 before, after = x + 0.5, x - 0.5  # distances to the edge; the wall is where they are negative
 middle = x[np.argmin(np.abs(blend(before, after, 0.5)))]
 with fw.show.plot("x, scene units", "1 in the wall, 0 outside", "An edge on its way, half of the time",
@@ -115,8 +115,8 @@ with fw.show.plot("x, scene units", "1 in the wall, 0 outside", "An edge on its 
     axes.plot(x, (before < 0) * 1.0, color="0.75", label="before")
     axes.plot(x, (after < 0) * 1.0, color="0.75", linestyle="--", label="after")
     axes.plot(x, 0.5 * (before < 0) + 0.5 * (after < 0), color="#d1622b", label="mean of the pictures")
-    axes.plot(x, (blend(before, after, 0.5) < 0) * 1.0, color="#2f6db5", label="where the mean of the distances is negative")
-    axes.legend(loc="lower left", fontsize=8)
+    axes.plot(x, (blend(before, after, 0.5) < 0) * 1.0, color="#2f6db5", label="wall of the mean distance")
+    axes.legend(loc="upper right", fontsize=8, frameon=False)
 
 # %% [markdown]
 # ## The picture
@@ -226,7 +226,7 @@ def steepest(f, count=20_000):
     return np.max(np.abs(f(p + 1e-4 * step) - f(p)) / 1e-4)
 
 
-view = fw.Camera((2.2, 2.1, 1.8), (0, 0, 0), (0, 1, 0), 0.75)
+view = fw.Camera((2.2, 2.1, 1.8), (0, 0, 0), (0, 1, 0), 0.95)
 origin, direction = (a.reshape(-1, 3) for a in view.rays(160, 160))
 a, b = direction / stretch, origin / stretch  # where the lens is a ball of radius 1, hit by a square equation
 hidden = np.sum(a * b, axis=1) ** 2 >= np.sum(a * a, axis=1) * (np.sum(b * b, axis=1) - 1)
@@ -238,7 +238,8 @@ for name, field in fields.items():
     names.append(name)
     missed = np.sum(hidden & ~hit) / np.sum(hidden)
     print(f"{name}: grows by up to {steepest(field):.2f} a unit; {missed:.0%} of the rays that should hit miss")
-fw.show.strip(pictures, names, "A flat lens, seen by rays", "Grey: the ray hits; black: it misses. Each picture is 43° high.");
+fw.show.strip(pictures, names, "A flat lens, seen by rays",
+              f"Grey: the ray hits; black: it misses. Each picture is {np.degrees(view.fov_y):.0f}° high.");
 
 # %% [markdown]
 # **The cure** is the smallest factor in front: then no direction grows faster than 1. The rays take more and shorter

@@ -58,6 +58,7 @@ def execute(notebook, name, folder=HERE):
     with tqdm(total=len(notebook.cells), desc=name, unit="cell", leave=False, disable=None) as bar:
         client = NotebookClient(
             notebook, timeout=SECONDS_A_CELL, kernel_name="python3", record_timing=False, store_widget_state=False,
+            coalesce_streams=True,
             extra_arguments=["--IPKernelApp.log_level=ERROR"],
             resources={"metadata": {"path": str(folder)}}, on_cell_complete=lambda **_: bar.update(),
         )  # fmt: skip
