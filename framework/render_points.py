@@ -115,6 +115,9 @@ def _march(scene, plan, fields, rays, gbuffer, functions):
         low, high = bounds.boxes([eps])
         boxes = low[:, 0].copy(), high[:, 0].copy(), bounds.planes - [0, 0, 0, -eps]
         camera_rays(*boxes, rays, camera.position, far, depth, mask)
+        if not bounds.planes.size:  # nothing can be hit beyond the corner that is farthest away
+            corner = np.maximum(np.abs(low - camera.position), np.abs(high - camera.position))
+            far = min(far, float(np.sqrt((corner**2).sum(axis=-1)).max(initial=0.0)))
     pixel = np.flatnonzero(mask)
     plan.count("fields", len(pixel), everywhere)
     if not len(pixel):

@@ -195,12 +195,10 @@ def test_most_examples_are_spared_more_than_half_of_the_work():
 
 def test_random_fields_and_lamps_lose_nothing_by_the_rays_that_are_left_out():
     rng = np.random.default_rng(3)
-    for _ in range(6):
+    for unbounded in (True, False) * 3:
         parts = [sdf.sphere(rng.uniform(-2, 2, 3), rng.uniform(0.1, 0.6)) for _ in range(4)]
-        parts += [
-            sdf.box(rng.uniform(-2, 2, 3), rng.uniform(0.1, 0.5, 3)),
-            sdf.plane(rng.normal(size=3), -2.5),
-        ]
+        parts += [sdf.box(rng.uniform(-2, 2, 3), rng.uniform(0.1, 0.5, 3))]
+        parts += [sdf.plane(rng.normal(size=3), -2.5)] * unbounded
         parts += [sdf.smooth_union(sdf.rotate(parts[4], rng.normal(size=3), 1.0), parts[0], 0.3)]
         lamps = [fw.Light(rng.normal(size=3), 10, k) for k in (1.5, 8, 200)]
         camera = fw.Camera(rng.normal(size=3) * 4, rng.normal(size=3) * 0.3, (0, 1, 0), 0.9)
@@ -210,6 +208,21 @@ def test_random_fields_and_lamps_lose_nothing_by_the_rays_that_are_left_out():
         (image, plan), (whole, _) = picture(scene), picture(scene, everything=True)
         assert_allclose(image, whole, rtol=0, atol=1e-9)
         assert plan["shadow 2"].saved > 0
+
+
+def test_rays_end_where_no_field_can_be_hit_any_more():
+    far = []
+
+    def traced(sdf, origin, direction, t_max, eps, max_steps):
+        far.append(t_max)
+        return sphere_tracing.sphere_trace(sdf, origin, direction, t_max, eps, max_steps)
+
+    ball = one(sdf.sphere((0, 0, 0), 1), GREY, lights=[LAMP], reach=6.0)
+    mine = [{"sphere_trace": traced}, *FUNCTIONS]
+    image, whole = (picture(ball, functions=mine, everything=every)[0] for every in (False, True))
+    assert_array_equal(image, whole)
+    # The farthest corner of the box around the ball, seen from a height of 3; without it, five times the reach.
+    assert_allclose(far, [np.sqrt(1 + 1 + 16), 30.0], rtol=1e-3)
 
 
 def test_only_what_the_camera_sees_is_planned_for():
