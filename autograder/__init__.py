@@ -1,6 +1,6 @@
-"""The autograder. In a notebook: `from autograder import check`, then `check("1.2")` under a function."""
+"""The autograder. In a notebook: `from autograder import check, hint`, then `check("1.2")` under a function."""
 
-__all__ = ["check"]
+__all__ = ["check", "hint"]
 
 
 def __getattr__(name):
@@ -8,4 +8,8 @@ def __getattr__(name):
         from autograder.notebook import check
 
         return check
+    if name == "hint":
+        from autograder.hinting import hint
+
+        return hint
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

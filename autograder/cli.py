@@ -68,8 +68,10 @@ def _parser():
     calibrate = commands.add_parser(
         "calibrate", help="measure the checks' tolerances against known right and wrong answers",
         description="Judge every known answer with many inputs. For each measure: the largest error of right answers, "
-        "the tolerance, the nearest wrong answer that it catches, and the margins between them.",
-        epilog="exit code: 0 all is well, 1 an answer has the wrong marks or a margin is below 1.5, 2 wrong arguments",
+        "the tolerance, the nearest wrong answer that it catches, and the margins between them. Then judge mutants of the "
+        "references, and say which keep all marks, and why.",
+        epilog="exit code: 0 all is well, 1 an answer or a mutant has the wrong marks or a margin is below 1.5, 2 wrong "
+        "arguments",
     )  # fmt: skip
     calibrate.add_argument("names", nargs="*", metavar="NAME",
                            help="assignments, or tasks by number or function; by default all")  # fmt: skip
@@ -182,7 +184,7 @@ def _bench(options):
 def _calibrate(options):
     from tqdm import tqdm
 
-    from autograder import calibrate, calibration_report, doctor
+    from autograder import calibrate, calibration_report, doctor, mutation
 
     try:
         answers = calibrate.answers_of(options.names)
@@ -190,11 +192,17 @@ def _calibrate(options):
         raise Usage(unknown.args[0]) from None
     with tqdm(total=len(answers), unit="answer") as bar:
         tables = calibrate.measure(answers, options.seeds, doctor.cores(), bar.update)
+    chosen = mutation.chosen_for(answers)
+    with tqdm(total=len(chosen), unit="mutant") as bar:
+        verdicts = mutation.run(chosen, doctor.cores(), bar.update)
     print("\n".join(line for table in tables for line in calibration_report.lines(table)))
-    print("\n".join(calibration_report.summary(tables)))
+    print("\n".join(mutation.lines(verdicts)))
+    print("\n".join([*calibration_report.summary(tables), mutation.summary(verdicts)]))
     if options.write:
         calibration_report.write(tables)
-    return 1 if any(table.problems for table in tables) else 0
+    for problem in mutation.problems(verdicts):
+        print(f"! {problem}")
+    return 1 if any(table.problems for table in tables) or mutation.problems(verdicts) else 0
 
 
 def _stress(options):

@@ -11,6 +11,7 @@ import copy
 import inspect
 import json
 import textwrap
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -55,7 +56,7 @@ def mutants(assignment, function) -> list[mistakes.Answer]:
     names: dict[str, int] = {}
     for what, changed in _changed(tree):
         source = ast.unparse(changed)
-        if source in seen:
+        if source in seen or not _is_code(source):
             continue
         seen.add(source)
         names[what] = names.get(what, 0) + 1
@@ -86,7 +87,8 @@ class Source:
         import importlib
 
         space = dict(vars(importlib.import_module(self.module)))
-        exec(compile(self.text, f"<mutant of {self.name}>", "exec"), space)
+        with warnings.catch_warnings(action="ignore"):
+            exec(compile(self.text, f"<mutant of {self.name}>", "exec"), space)
         return space[self.name]
 
 
@@ -98,6 +100,16 @@ def _changed(tree) -> Iterator[tuple[str, ast.AST]]:
             whole = copy.deepcopy(tree)
             place = list(ast.walk(whole))[index]
             yield f"{_said(node)} -> {_said(new)}", _Replace(place, new).visit(whole)
+
+
+def _is_code(source):
+    """Whether a change has left a program: a starred expression cannot stand everywhere."""
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            compile(source, "<mutant>", "exec")
+    except SyntaxError:
+        return False
+    return True
 
 
 def _said(node):

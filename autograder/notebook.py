@@ -124,6 +124,8 @@ def as_text(judged) -> str:
         lines += ["    " + line for line in judged["traceback"].splitlines()]
     if judged["likely"] is not None:
         lines += [f"    it looks like a known mistake: {judged['likely'].symptom}", f"    {judged['likely'].hint}"]
+    if judged["status"] not in ("pass", "not_attempted"):
+        lines.append(f'    stuck? hint("{judged["id"]}") helps in three steps')
     return "\n".join(lines)
 
 
@@ -159,6 +161,8 @@ def _as_html(judged):
     if judged["likely"] is not None:
         symptom, hint = html.escape(judged["likely"].symptom), html.escape(judged["likely"].hint)
         parts.append(f"<div>It looks like a known mistake: {symptom}<br><b>Think again:</b> {hint}</div>")
+    if judged["status"] not in ("pass", "not_attempted"):
+        parts.append(f'<div style="color:#57606a">stuck? <code>hint("{judged["id"]}")</code> helps in three steps</div>')
     if judged["picture"] is not None and judged["status"] != "not_attempted":
         parts.append(_figures(judged["picture"]))
     return "".join(parts) + "</div>"

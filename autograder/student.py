@@ -249,11 +249,11 @@ class InMemory:
         function = self._namespace.get(name)
         if not callable(function):
             raise Failure("not_attempted", f"{name} is not defined yet: run its cell first")
-        arguments = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
+        arguments = [_own(a) for a in arguments]
         quiet = io.StringIO()
         before = wall.forbid(self._task.forbidden, self._task.name)
         try:
-            with np.errstate(all="ignore"), contextlib.redirect_stdout(quiet):
+            with wall.calm(), contextlib.redirect_stdout(quiet):
                 return wall.as_promised(function(*arguments), returns)
         except wall.WrongShape as wrong:
             raise Failure("error", str(wrong)) from None
@@ -261,9 +261,16 @@ class InMemory:
             raise Failure("not_attempted", wall.sentence(failure)) from None
         except MemoryError as failure:
             raise Failure("out_of_memory", wall.sentence(failure)) from None
-        except Exception as failure:
+        except (Exception, SystemExit) as failure:
             frames = traceback.extract_tb(failure.__traceback__)[1:]
             lines = [f"line {f.lineno}, in {f.name}\n    {f.line}" for f in frames if "ipykernel" in f.filename]
             raise Failure("error", wall.sentence(failure), "\n".join([*lines, wall.sentence(failure)])) from None
         finally:
             wall.allow(before)
+
+
+def _own(value):
+    """A copy of arrays, also in a list, for a function that may write into what it is given."""
+    if isinstance(value, (list, tuple)):
+        return [_own(part) for part in value]
+    return value.copy() if isinstance(value, np.ndarray) else value

@@ -12,6 +12,7 @@ import pickle
 import struct
 import sys
 import types
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -154,6 +155,14 @@ def _product(shape):
     for axis in shape:
         result *= axis
     return result
+
+
+@contextlib.contextmanager
+def calm():
+    """A student's function runs within it: no warning and no floating-point error stops it, whatever was set before."""
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
 
 
 class WrongShape(Exception):

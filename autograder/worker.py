@@ -67,8 +67,9 @@ class Task:
                 if not callable(function):
                     self._error(wall.MISSING, f"{which} is not defined in its cell", "")
                     return
-            result = function(*[self._incoming(a) for a in arguments])
-            arrays = wall.as_promised(result, returns)
+            with wall.calm():
+                result = function(*[self._incoming(a) for a in arguments])
+                arrays = wall.as_promised(result, returns)
             _flush()
         except wall.WrongShape as wrong:
             self._error(wall.SHAPE, str(wrong), "")

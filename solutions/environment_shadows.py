@@ -48,7 +48,7 @@ import framework as fw
 # fw.show.image(light.env.pixels, title="The light")
 
 # %% tags=["active-ipynb"]
-# from autograder import check
+# from autograder import check, hint
 
 # %% [markdown]
 # ## Why this is hard

@@ -49,7 +49,7 @@ import framework as fw
 # fw.show.image(sky.pixels, title="All directions: the top row is straight up, the bottom row straight down")
 
 # %% tags=["active-ipynb"]
-# from autograder import check
+# from autograder import check, hint
 
 # %% [markdown]
 # This map has 32 rows and 64 columns, small enough to experiment with. It is *linear* and *high dynamic

@@ -44,7 +44,7 @@ import numpy as np
 # import framework as fw
 
 # %% tags=["active-ipynb"]
-# from autograder import check
+# from autograder import check, hint
 
 # %% [markdown]
 # ## 2.1 The safe angle

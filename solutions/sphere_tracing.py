@@ -41,7 +41,7 @@ import numpy as np
 import framework as fw
 
 # %% tags=["active-ipynb"]
-# from autograder import check
+# from autograder import check, hint
 
 # %% [markdown]
 # ## 1.1 What a distance function is

@@ -50,7 +50,7 @@ import framework as fw
 # fw.show.image(light.env.pixels, title="The light: a sky whose sun is behind a thin cloud")
 
 # %% tags=["active-ipynb"]
-# from autograder import check
+# from autograder import check, hint
 
 # %% [markdown]
 # ## 4.1 How much is reflected: Fresnel

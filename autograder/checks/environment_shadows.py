@@ -181,7 +181,11 @@ def shade_with_shadows(trial):
     far = Counted(lambda x: np.full(x.shape[:-1], 10.0))
     matt, gloss = albedo * light.irradiance(normal), scenes.split_sum(light, normal, view, r0, roughness)
     got = trial.call(light, far, p, normal, view, r0, roughness, 0.3 * albedo, T_MAX)
-    yield trial.at_most("nothing in the way", _relative(got, 0.3 * matt + gloss), share=0.75,
+    # the split sum by itself, of rougher mirrors: there the table's scale is far below 1
+    alone = trial.call(light, far, p, normal, view, r0, 2.2 * roughness, 0.0, T_MAX)
+    want = scenes.split_sum(light, normal, view, r0, 2.2 * roughness)
+    off = max(_relative(got, 0.3 * matt + gloss), _relative(alone, want))
+    yield trial.at_most("nothing in the way", off, share=0.75,
                         message="without occluders: the albedo times the irradiance, plus the split sum")  # fmt: skip
 
     got = trial.call(light, Counted(scene), p, normal, -normal, r0, roughness, albedo, T_MAX)

@@ -247,8 +247,8 @@ def _free_and_hidden(trial, scene, center, light, radius):
     way = np.broadcast_to(light * (center[1] / light[..., 1:2]), (8, 3))
     spread = trial.rng.uniform(-0.1, 0.1, (8, 3)) * [1, 0, 1]
     got = [
-        trial.call(Counted(scene), origin + spread, light, radius, 0.02, t_max, 256)
-        for origin, t_max in ((center + way, 8.0), (center - way, 8.0), (center - way, 0.2))
+        trial.call(Counted(scene), origin + spread, light, radius, t_min, t_max, 256)
+        for origin, t_min, t_max in ((center + way, 0.02, 8.0), (center - way, 0.2, 8.0), (center - way, 0.02, 0.2))
     ]
     return trial.close("free and hidden", got, np.array([[1.0], [0.0], [1.0]]), share=0.4, property=True,
                        message="1 where nothing is in the way up to t_max, 0 where all of the light is hidden")  # fmt: skip

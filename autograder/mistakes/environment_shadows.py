@@ -176,3 +176,11 @@ def shade_with_shadows_from_behind(light, sdf, p, normal, view, r0, roughness, a
     """Mirrors seen from behind shine."""
     flip = np.where(np.sum(normal * view, axis=1, keepdims=True) < 0, -1.0, 1.0)
     return right.shade_parts(light, sdf, p, normal, flip * view, r0, roughness, albedo, t_max)
+
+
+@mistake("How many rays to the sky does a point need, once each light is as large as its part of the sky?")
+def shade_with_shadows_ray_to_every_pixel(light, sdf, p, normal, view, r0, roughness, albedo, t_max):
+    """Right, at many times the evaluations: each pixel of the sky is a light of its own."""
+    a = (light, sdf, p, normal, view, r0, roughness, albedo, t_max)
+    count = light.env.pixels[..., 0].size
+    return right.shade_parts(*a, matt=False) + right.lamps(light, sdf, p, normal, albedo, t_max, count)

@@ -329,6 +329,19 @@ def monte_carlo_shade_one_sample(*a):
     return right.monte_carlo(*a, change="one sample")
 
 
+@mistake("From which side of the surface may the view look at it?")
+def monte_carlo_shade_from_behind(env, normal, view, *rest):
+    """Surfaces that are seen from behind shine."""
+    side = np.where(dot(normal, view) < 0, -1.0, 1.0)[..., None]
+    return right.monte_carlo(env, normal, side * view, *rest)
+
+
+@mistake("What does a direction below the horizon bring: less than no light?")
+def monte_carlo_shade_negative(*a):
+    """Too dark, below 0 here and there: directions of the whole sphere count with the sign of their cosine."""
+    return right.monte_carlo(*a, how="sphere", change="negative")
+
+
 @mistake("Where do the random numbers come from?")
 def monte_carlo_shade_own_seed(*a):
     """Another answer at every call."""

@@ -183,14 +183,14 @@ def monte_carlo(env, normal, view, r0, alpha, samples, rng, how="ggx", change=""
             xi[:, 1] = (np.arange(samples) + xi[:, 1]) / samples
         if change == "seed":
             xi = np.random.default_rng().random((samples, 2))
-        if how in ("cosine", "uniform"):
-            z = np.sqrt(1 - xi[:, 1]) if how == "cosine" else 1 - xi[:, 1]
+        if how in ("cosine", "uniform", "sphere"):
+            z = np.sqrt(1 - xi[:, 1]) if how == "cosine" else 1 - xi[:, 1] * (2 if how == "sphere" else 1)
             s = np.sqrt(1 - z * z)
             l = (
                 np.stack([s * np.cos(2 * np.pi * xi[:, 0]), s * np.sin(2 * np.pi * xi[:, 0]), z], axis=1)
                 @ axes
             )
-            pdf = z / np.pi if how == "cosine" else np.full(samples, 1 / (2 * np.pi))
+            pdf = z / np.pi if how == "cosine" else np.full(samples, 1 / ((4 if how == "sphere" else 2) * np.pi))
             if change == "pdf":
                 pdf = np.full(samples, 1 / np.pi)
         else:
@@ -204,10 +204,14 @@ def monte_carlo(env, normal, view, r0, alpha, samples, rng, how="ggx", change=""
         cos_i = l @ normal[i]
         ok = cos_i > 0
         f = brdf(np.tile(normal[i], (samples, 1)), np.tile(view[i], (samples, 1)), l, r0[i], alpha[i],
-                  fresnel_at="n.v" if change == "fresnel" else "v.h",)  # fmt: skip
+                  fresnel_at="n.v" if change == "fresnel" else "v.h", below=change == "negative")  # fmt: skip
         if change == "no cosine":
             f = f / np.maximum(cos_i, 1e-3)[:, None]
-        value = np.where(ok[:, None], f * np.maximum(cos_i, 0)[:, None] / np.maximum(pdf, 1e-12)[:, None], 0)
+        if change == "negative":
+            ok = np.ones(samples, bool)
+        else:
+            cos_i = np.maximum(cos_i, 0)
+        value = np.where(ok[:, None], f * cos_i[:, None] / np.maximum(pdf, 1e-12)[:, None], 0)
         value = value * env.radiance(l)
         color[i] = value[ok].mean(axis=0) if change == "renormalised" and ok.any() else value.mean(axis=0)
         if change == "one sample":
