@@ -15,6 +15,7 @@ from autograder.mistakes import sphere_tracing as wrong
 from autograder.mistakes.right import sphere_tracing as right
 from autograder.notebook import as_text, judge
 from autograder.samples import filled_notebook
+from autograder.sandbox import Limits, Pool
 from autograder.student import InMemory
 
 NAMES = checks.available()
@@ -126,6 +127,13 @@ def _reference(name):
 def test_a_notebook_is_told_the_symptom_and_where_to_think_again():
     text = as_text(judge("1.4", {"blend": wrong.blend_swapped}))
     assert "At t = 0 the second shape appears" in text and "Which distance is left when t is 0?" in text
+
+
+@pytest.fixture(scope="module")
+def pool(isolation):
+    """Sandboxes that end with this module: other tests look for processes that were left."""
+    with Pool(isolation, Limits()) as pool:
+        yield pool
 
 
 def _cell(code, name):

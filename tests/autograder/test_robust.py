@@ -7,6 +7,7 @@ import pytest
 from autograder.grade import grade
 from autograder.notebook import judge
 from autograder.samples import filled_notebook
+from autograder.sandbox import Limits, Pool
 
 LOUD = """
 import sys, warnings
@@ -71,6 +72,13 @@ def blend(answer, before="", right=RIGHT):
         f"{before}\ndef blend(d1, d2, t):\n    np.ones(1) / np.zeros(1), np.mean([])\n"
         f"    answer = np.asarray({right})\n    return {answer}\n"
     )
+
+
+@pytest.fixture(scope="module")
+def pool(isolation):
+    """Sandboxes that end with this module: other tests look for processes that were left."""
+    with Pool(isolation, Limits()) as pool:
+        yield pool
 
 
 @pytest.fixture
