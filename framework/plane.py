@@ -96,7 +96,18 @@ def show(points, error, title=None):
             color, own = _COLORS[number % len(_COLORS)], [p for p in drawn if p.method == method]
             across, up = [p.milliseconds for p in own], [p.error for p in own]
             axes.plot(across, up, "o-", color=color, markersize=4, linewidth=1, label=method)
+        _number(axes)
         _label(axes, drawn)
+
+
+def _number(axes):
+    """Plain numbers along both axes: powers of ten, and where they are few, twice and five times these."""
+    from matplotlib.ticker import LogLocator
+
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("{x:g}" if high < 1000 * low else "")
+        axis.set_minor_locator(LogLocator(subs=(2, 5)))
 
 
 def _label(axes, points):
