@@ -13,9 +13,9 @@ import tempfile
 from pathlib import Path
 
 import framework
+from autograder.checks import ASSIGNMENTS
 
 ROOT = Path(__file__).resolve().parents[1]
-ASSIGNMENTS = ("sphere_tracing", "soft_shadows", "prefilter", "split_sum", "environment_shadows")
 
 
 def release(assignments=None, into="assignments"):
