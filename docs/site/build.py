@@ -9,12 +9,14 @@ does a link or a picture that leads nowhere.
 import argparse
 import importlib
 import inspect
+import re
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
 import links
+import nbformat
 from sphinx.cmd.build import build_main
 
 from autograder.checks import ASSIGNMENTS
@@ -50,6 +52,7 @@ def build(out, sources):
     """
     for name in COPIED:
         _copy(ROOT / name, sources / name)
+    _announced(sources / "notebooks")
     _front_page(sources)
     _reference(sources / "reference")
     shutil.rmtree(out, ignore_errors=True)
@@ -67,6 +70,16 @@ def _copy(source, target):
         shutil.copytree(source, target, ignore=shutil.ignore_patterns("*.py", "__pycache__", ".*", "site"))
     else:
         shutil.copyfile(source, target)
+
+
+def _announced(folder):
+    """A walkthrough that the overview names and nobody has written yet gets a page that says so."""
+    for name in re.findall(r"`(\d\d_\w+)`", (folder / "README.md").read_text(encoding="utf-8")):
+        if not (folder / f"{name}.ipynb").exists():
+            print(f"site: {name} is announced, and not written yet", file=sys.stderr)
+            title = f"# {int(name[:2])} · {name[3:].replace('_', ' ').capitalize()}\n\nThis walkthrough is not written yet."
+            page = nbformat.v4.new_notebook(cells=[nbformat.v4.new_markdown_cell(title)])
+            nbformat.write(page, folder / f"{name}.ipynb")
 
 
 def _front_page(sources):
