@@ -44,6 +44,16 @@ def _parser():
     export.add_argument("--out", metavar="DIR", type=Path, help="where to write (default: DIR/export/FORMAT)")
     export.set_defaults(run=_export)
 
+    report = commands.add_parser(
+        "report", help="what a class got right and wrong, as one page",
+        description="Write DIR/report.html: marks by task, frequent mistakes, tasks that separate strong from weak, run time "
+        "against error, submissions that want a person's look, and pairs of solutions that are nearly the same.",
+    )  # fmt: skip
+    report.add_argument("graded", metavar="DIR", type=Path, help="what `course grade --out DIR` has written")
+    report.add_argument("--submissions", nargs="+", metavar="PATH", type=Path, default=[],
+                        help="the notebooks as given to `course grade`; without them solutions are not compared")  # fmt: skip
+    report.set_defaults(run=_report)
+
     release = commands.add_parser("release", help="rebuild assignments/ from solutions/")
     release.add_argument("assignments", nargs="*", metavar="ASSIGNMENT", help="by default all")
     release.set_defaults(run=_release)
@@ -115,6 +125,19 @@ def _bundle(options):
     except OSError as error:
         raise Usage(f"{options.out} cannot be written: {error.strerror}") from None
     print(f"{options.out}: {len(files)} files, {options.out.stat().st_size >> 10} KiB; its README.md says what to do")
+    return 0
+
+
+def _report(options):
+    from autograder import class_report
+
+    if not (options.graded / "results").is_dir():
+        raise Usage(f"{options.graded} holds no results/; the folder given to `course grade --out` is wanted")
+    for path in options.submissions:
+        if not path.exists():
+            raise Usage(f"{path} does not exist")
+    page = class_report.write(options.graded, options.submissions, lambda text: print(f"course: {text}", file=sys.stderr))
+    print(f"open {page}")
     return 0
 
 

@@ -55,9 +55,10 @@ def _worth(check):
 
 
 def _found(check):
-    """A known mistake's hint, else what was found."""
-    said = check["hint"] if check["mistake"] and check["hint"] else check["message"]
-    return said or check["meaning"]
+    """What could not be judged and why; of what was judged a known mistake's hint, else what was found."""
+    if check["judged"] and check["mistake"] and check["hint"]:
+        return check["hint"]
+    return check["message"].split("; it looks like a known mistake")[0] or check["meaning"]
 
 
 def _ended(what, found):

@@ -81,6 +81,11 @@ def read(path, assignment=None) -> Submission:
     return Submission(assignment, version, sources, answers, frozenset(changed), hashlib.sha256(block).hexdigest())
 
 
+def cells_of(block, assignment) -> dict[str, str]:
+    """The sources of an assignment's solution cells in a file's bytes; Rejected where it is no notebook."""
+    return _sources(_parse(block), "code", release_of(assignment).cells)
+
+
 def _release(version):
     """What of a version changes when tasks do: 0.1 of 0.1.3."""
     return version.split(".")[:2]

@@ -33,7 +33,7 @@ def sphere_trace(sdf, origin, direction, t_max, eps, max_steps):
 """),
     "mistake": ("soft_shadows", "penumbra", """
 def penumbra(distance, travelled, k):
-    return np.clip(k * distance, 0, 1)
+    return np.clip(k * distance + 0 * travelled, 0, 1)
 """),
 }  # fmt: skip
 

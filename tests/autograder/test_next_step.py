@@ -28,7 +28,7 @@ FIRST = {
     "shape": r"Mend what comes out of 1\.2 sdf_box for up to 3 more points: returned an array .* of shape \(4096, 3\), "
              r"not an array of shape \(4096,\)\.",
     "slow": r"Make your code end sooner in 1\.7 sphere_trace for up to 5 more points: a call used over 1 s of CPU time",
-    "mistake": r"Look again at 2\.2 penumbra for up to 3 more points: .{20,}",
+    "mistake": r"Look again at 2\.2 penumbra for up to 3 more points: [A-Z][^:]{20,}\?$",  # the hint
 }  # fmt: skip
 
 
@@ -75,7 +75,7 @@ def test_the_wrong_answer_lies_above_the_limit_and_the_reference_below(graded):
         ([], {"status": "rejected", "message": "it is not JSON"}, "Hand the notebook in again: it is not JSON."),
         ([check("1.1", "f", "not_attempted", 0, 1, message="as released: nothing was filled in")], {},
          "Fill in 1.1 f for up to 1 more point: as released: nothing was filled in."),
-        ([check("1.1", "f", "fail", 0, 2, likely_mistake="a-b", hint="Which axis?", message="m"),
+        ([check("1.1", "f", "fail", 0, 2, error=1, likely_mistake="a-b", hint="Which axis?", message="m"),
           check("1.2", "g", "fail", 1, 2, message="m")], {}, "Look again at 1.1 f for up to 2 more points: Which axis?"),
         ([check("1.7", "f", "partial", 1, 2, error=0.1, message="right, but more work than needed: 9 evaluations")], {},
          "Save evaluations in 1.7 f for up to 1 more point: right, but more work than needed: 9 evaluations."),

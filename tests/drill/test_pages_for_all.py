@@ -21,6 +21,7 @@ def graded(tmp_path_factory):
     five.write(out / "submissions")
     limits = ["--allow-weak-isolation", "--call-cpu-seconds", "1"]
     assert cli.main(["grade", str(out / "submissions"), "--out", str(out / "graded"), *limits]) == 0
+    assert cli.main(["report", str(out / "graded"), "--submissions", str(out / "submissions")]) == 0
     return out / "graded"
 
 
@@ -33,9 +34,9 @@ def opened(browser, path, **options):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [360, 1280])
-@pytest.mark.parametrize("kind", [*five.WRONG, "index"])
+@pytest.mark.parametrize("kind", [*five.WRONG, "index", "report"])
 def test_no_page_breaks_a_rule_of_axe_core(browser, axe, graded, kind, width, scheme):
-    path = graded / "index.html" if kind == "index" else next((graded / "pages" / kind).glob("*.html"))
+    path = graded / f"{kind}.html" if kind not in five.WRONG else next((graded / "pages" / kind).glob("*.html"))
     page = opened(browser, path, viewport={"width": width, "height": 900}, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details').forEach((d) => (d.open = true))")
     assert axe(page) == []
