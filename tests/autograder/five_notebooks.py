@@ -4,6 +4,7 @@ from pathlib import Path
 
 import nbformat
 
+from autograder import demo
 from autograder.samples import filled_notebook
 
 WRONG = {
@@ -22,15 +23,7 @@ def sdf_box(p, center, half_size):
     q = np.abs(np.asarray(p) - center) - half_size
     return np.maximum(q, 0) + np.minimum(q.max(-1), 0)[..., None]
 """),
-    "slow": ("sphere_tracing", "sphere_trace", """
-def sphere_trace(sdf, origin, direction, t_max, eps, max_steps):
-    t = np.zeros(len(origin))
-    while True:
-        distance = sdf(origin + t[:, None] * direction)
-        if np.all(distance < eps):
-            return t, t <= t_max
-        t = np.where(distance < eps, t, np.minimum(t + distance, t_max))
-"""),
+    "slow": ("sphere_tracing", "smooth_union", demo.ENDLESS["smooth_union"]),  # of CPU, however busy the machine is
     "mistake": ("soft_shadows", "penumbra", """
 def penumbra(distance, travelled, k):
     return np.clip(k * distance + 0 * travelled, 0, 1)

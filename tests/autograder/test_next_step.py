@@ -27,7 +27,7 @@ FIRST = {
     "exception": r"Mend line 4 of the cell of 1\.6 estimate_normal for up to 3 more points: ValueError: .*\(768,\)\.",
     "shape": r"Mend what comes out of 1\.2 sdf_box for up to 3 more points: returned an array .* of shape \(4096, 3\), "
              r"not an array of shape \(4096,\)\.",
-    "slow": r"Make your code end sooner in 1\.7 sphere_trace for up to 5 more points: a call used over 1 s of CPU time",
+    "slow": r"Make your code end sooner in 1\.5 smooth_union for up to 3 more points: a call used over 1 s of CPU time",
     "mistake": r"Look again at 2\.2 penumbra for up to 3 more points: [A-Z][^:]{20,}\?$",  # the hint
 }  # fmt: skip
 
