@@ -124,41 +124,92 @@ def _wait_for(lock):
 
 
 def _compile_all(names):
-    """One process for each module, as many at a time as there are cores: this one starts no threads of Numba's.
+    """In as many processes as there are cores, which this one is not: it starts no threads of Numba's.
 
-    A module waits for those whose kernels it calls, and links what they have compiled.
+    A module waits for those whose kernels it calls, and links what they have compiled. Of those that need not wait, the
+    one goes first that most depends on.
     """
-    from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+    from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 
     from tqdm import tqdm
 
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    needs = {name: _needed(name) - {name} for name in names}
-    jobs: dict[str, Future] = {}
-    with ThreadPoolExecutor(cores) as pool:
-        for name in sorted(names, key=lambda name: len(needs[name])):
-            before = [jobs[other] for other in needs[name] if other in jobs]
-            jobs[name] = pool.submit(_warm_apart, name, before)
+    needs = {name: (_needed(name) - {name}) & set(names) for name in names}
+    left = sorted(names, key=lambda name: -_work_behind(name, needs))
+    crews = [_Compiler() for _ in range(min(cores, len(names)))]
+    running: dict = {}
+    try:
+        with ThreadPoolExecutor(cores) as pool, tqdm(
+            total=len(names), desc="compiling the renderer (once)", unit="module", leave=False
+        ) as line:
+            while left or running:
+                unmet = {*left, *(name for name, _ in running.values())}
+                ready = [name for name in left if not needs[name] & unmet]
+                for name, crew in zip(ready, crews, strict=False):
+                    left.remove(name)
+                    running[pool.submit(crew.compile, name)] = name, crew
+                crews = crews[min(len(ready), len(crews)) :]
+                done, _ = wait(running, return_when=FIRST_COMPLETED)
+                for job in done:
+                    name, crew = running.pop(job)
+                    crews.append(crew)
+                    if job.result():
+                        warnings.warn(f"{name} could not be compiled: {job.result()}", stacklevel=1)
+                    line.update()
+    finally:
+        for crew in [*crews, *(crew for _, crew in running.values())]:
+            crew.close()
+
+
+def _work_behind(name, needs):
+    """Bytes of source of a module and of all that wait for it: what compiling takes goes with it."""
+    waiting = [name, *(other for other in needs if name in needs[other])]
+    return sum(_source(other).stat().st_size for other in waiting if _source(other).exists())
+
+
+class _Compiler:
+    """A process that compiles the modules whose names it is sent, one after the other."""
+
+    _CODE = """
+import importlib, sys
+import framework.compiled
+answers = sys.stdout
+sys.stdout = sys.stderr
+for name in sys.stdin:
+    try:
+        importlib.import_module(name.strip()).warm()
+        print(file=answers, flush=True)
+    except Exception as error:
+        print(type(error).__name__, ": ", str(error).partition(chr(10))[0], sep="", file=answers, flush=True)
+"""
+
+    def __init__(self):
+        self._start()
+
+    def _start(self):
+        environment = os.environ | {COPIED_FROM: "", "PYTHONPATH": str(_ROOT)}
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", self._CODE],
+            env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        )  # fmt: skip
+
+    def compile(self, name):
+        """What went wrong, in a line; "" where nothing did."""
+        if self._process.poll() is not None:
+            self.close()
+            self._start()
+        names, answers = self._process.stdin, self._process.stdout
+        assert names and answers
         try:
-            line = tqdm(as_completed(jobs.values()), "compiling the renderer (once)", len(jobs), unit="module", leave=False)
-            for job in line:
-                job.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
+            names.write(f"{name}\n")
+            names.flush()
+            return (answers.readline() or "the process that compiled it ended\n").strip()
+        except OSError as error:
+            return str(error)
 
-
-def _warm_apart(name, before):
-    from concurrent.futures import wait
-
-    wait(before)
-    environment = os.environ | {COPIED_FROM: "", "PYTHONPATH": str(_ROOT)}
-    done = subprocess.run(
-        [sys.executable, "-c", f"import framework.compiled, {name}; {name}.warm()"],
-        env=environment, capture_output=True, text=True,
-    )  # fmt: skip
-    if done.returncode:
-        said = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
-        warnings.warn(f"{name} could not be compiled: {said[-1]}", stacklevel=1)
+    def close(self):
+        self._process.kill()
+        self._process.communicate()
 
 
 def _keys():

@@ -87,6 +87,26 @@ def test_a_module_that_cannot_be_compiled_is_told_once_and_stops_nothing(tmp_pat
     assert run(PREPARE, tmp_path) == ("True\n", "")
 
 
+def test_a_process_that_has_ended_is_replaced():
+    crew = compiled._Compiler()
+    try:
+        crew._process.kill()
+        crew._process.wait()
+        assert crew.compile("framework.no_kernel").startswith("ModuleNotFoundError")
+        assert crew.compile("math").startswith("AttributeError")  # by the same one
+    finally:
+        crew.close()
+
+
+def test_a_process_that_ends_while_it_compiles_is_told(monkeypatch):
+    monkeypatch.setattr(compiled._Compiler, "_CODE", "input()")
+    crew = compiled._Compiler()
+    try:
+        assert "ended" in crew.compile("framework.lookup_kernel")
+    finally:
+        crew.close()
+
+
 def test_where_compiled_code_is_to_be_copied_nothing_is_compiled_ahead(tmp_path):
     assert run(PREPARE, tmp_path, **{compiled.COPIED_FROM: ""}) == ("False\n", "")
 
