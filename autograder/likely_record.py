@@ -72,7 +72,7 @@ def _compared(right, wrong, secret=None):
 
 def _recorded(right, wrong):
     known, errs = _compared(right, wrong)
-    kept = [i for i, wrong_here in enumerate(errs) if wrong_here]
+    kept = [i for i, answer in enumerate(wrong) if errs[i] and _repeats(answer, known.wrong[i], known)]
     said = [known.mistakes[i] for i in kept]
     return {
         "keys": np.array(known.keys), "sizes": known.sizes, "scales": known.scales,
@@ -81,6 +81,11 @@ def _recorded(right, wrong):
         "ids": np.array([m.id for m in said]), "symptoms": np.array([m.symptom for m in said]),
         "hints": np.array([m.hint for m in said]),
     }  # fmt: skip
+
+
+def _repeats(answer, vector, known):
+    """Whether an answer gives the same twice: one that draws its own random numbers cannot be told by what it gave."""
+    return np.array_equal(vector, known.vector(answers(answer)), equal_nan=True)
 
 
 def _scale(values):
