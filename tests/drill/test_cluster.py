@@ -59,7 +59,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_grades(submissions, two_wo
     here, there = tmp_path / "here", tmp_path / "there"
     assert cli.main(["grade", str(submissions), "--out", str(here), "--allow-weak-isolation"]) == 0
 
-    stored, killed = batch.store, []
+    stored, killed = batch.store.write, []
 
     def store_and_kill(*arguments):
         stored(*arguments)
@@ -67,7 +67,7 @@ def test_a_cluster_that_loses_a_worker_gives_the_same_grades(submissions, two_wo
             os.killpg(workers[0].pid, signal.SIGKILL)
             killed.append(time.monotonic())
 
-    monkeypatch.setattr(batch, "store", store_and_kill)
+    monkeypatch.setattr(batch.store, "write", store_and_kill)
     command = ["grade", str(submissions), "--out", str(there), "--scheduler", address, "--allow-weak-isolation"]
     assert cli.main(command) == 0
     assert killed and workers[0].wait(10) == -signal.SIGKILL and workers[1].poll() is None
