@@ -4,9 +4,9 @@ Each time is the median of seven pictures of 512 x 512 pixels after a warm-up, p
 peer, a fragment shader on Mesa's llvmpipe, draws in turn with it where moderngl is installed, without being read
 back. Errors are against a march fifty times tighter and, of the visibility, against `soft_shadow` at the same points.
 
-Measured on two cores: nine primitives 9.8 ms where the shader takes 25.7. Visibility differs from the reference's by
+Measured on two cores: nine primitives 6.6 ms where the shader takes 22.7. Visibility differs from the reference's by
 4e-7 in the mean; of 16384 pixels none (nine) and one (500) sees something else than the tighter march, at a silhouette.
-At 10000 primitives half of the time goes into shadow rays, whose every step needs the nearest of many.
+From 10 primitives to 10000 the time grows by 4.1 where they spread, by 12.5 where they shrink and shadow rays pass many.
 """
 
 import sys
