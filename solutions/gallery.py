@@ -46,7 +46,7 @@ def nine_shapes(size=400):
 
 
 def march_cost(width=480, height=320):
-    """What each ray to them costs, from 0 evaluations of the distance, dark, to 60, bright: most where it grazes one."""
+    """What rays to such shapes cost, from 0 evaluations of the distance, dark, to 60, bright: most where they graze one."""
     from framework import colors
 
     scene, camera = _nine_shapes(), fw.Camera(**CAMERA)
