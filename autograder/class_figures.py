@@ -46,7 +46,7 @@ def _check(check):
     most = view.number(check.get("max_score")) or 0.0
     return {
         **{key: view.text(check.get(key), 60) for key in ("id", "name", "likely_mistake")},
-        **{key: view.text(check.get(key), 300) for key in ("message", "hint")},
+        **{key: view.text(check.get(key), 300) for key in ("message", "symptom", "hint")},
         **{key: view.number(check.get(key)) for key in ("cpu_seconds", "cpu_seconds_reference")},
         "status": check.get("status") if check.get("status") in list(view.CHECK_WORDS) else "error",
         "share": (view.number(check.get("score")) or 0.0) / most if most else None,
@@ -117,8 +117,7 @@ def mistakes(entries) -> list[dict]:
         for check in e.checks:
             if check["status"] in ("partial", "fail", "error"):
                 named = check["likely_mistake"]
-                said = check["message"].split("; it looks like a known mistake")
-                what = said[-1].removeprefix(": ") if named else re.sub(r"-?\d[\d.]*(e-?\d+)?", "…", said[0])
+                what = check["symptom"] if named else re.sub(r"-?\d[\d.]*(e-?\d+)?", "…", check["message"])
                 key = (check["id"], named or what)
                 row = found.setdefault(key, {"id": check["id"], "name": check["name"], "named": named.replace("-", " "),
                                              "what": what, "hint": check["hint"], "students": []})  # fmt: skip

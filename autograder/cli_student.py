@@ -76,6 +76,8 @@ def _check(options):
         sign, _, words = notebook.WORDS[record["status"]]
         said = "" if record["status"] in ("pass", "not_attempted") else f": {record['message']}"
         print(f"{sign} {record['id']} {record['name']}: {words}{said}")
+        if record["symptom"]:
+            print(f"    it looks like a known mistake: {record['symptom']}")
     page = options.notebook.with_name(f"{options.notebook.stem}-check.html")
     with tempfile.TemporaryDirectory() as folder:
         store.write(result, store.draw(result, judgements), Path(folder), "you")

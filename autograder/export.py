@@ -114,7 +114,7 @@ def _sentences(check):
     """Verdict, message, mistake and hint of a check, a sentence each."""
     yield f"{check['word']}: {check['message']}" if check["message"] else f"{check['word']}."
     if check["mistake"]:
-        yield f"Looks like: {check['mistake']}."
+        yield f"Looks like: {check['mistake']}. {check['symptom']}".strip()
     if check["hint"]:
         yield check["hint"]
 

@@ -132,14 +132,8 @@ def settle(result):
         result.status = "partial" if fraction > 0 else "fail"
         result.message = _first_miss(result.rounds)
     if result.status in ("partial", "fail", "error"):
-        _name_mistake(result)
-
-
-def _name_mistake(result):
-    """Add the known mistake that the answer resembles, by the round whose inputs are the same for everybody."""
-    result.likely = likely.name(result.task, result.rounds[0].calls)
-    if result.likely is not None:
-        result.message += f"; it looks like a known mistake: {result.likely.symptom}"
+        # by the round whose inputs are the same for everybody
+        result.likely = likely.name(result.task, result.rounds[0].calls)
 
 
 def _first_miss(rounds):
@@ -207,7 +201,7 @@ def check_record(judgement):
         "evaluations": work.evaluations if work else None,
         "evaluations_reference": work.evaluations_reference if work else None,
         "message": judgement.message, "likely_mistake": judgement.likely and judgement.likely.id,
-        "hint": judgement.likely and judgement.likely.hint,
+        "symptom": judgement.likely and judgement.likely.symptom, "hint": judgement.likely and judgement.likely.hint,
         "images": {"yours": None, "reference": None, "difference": None},
         "title": judgement.task.asks, "cpu_seconds": round(judgement.cpu_seconds, 3),
         "traceback": failure.traceback if failure else "", "prints": judgement.printed,

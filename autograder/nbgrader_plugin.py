@@ -75,7 +75,7 @@ def _outputs(record, result, picture):
     """The score first: it is what nbgrader reads. Never without one, for a cell without outputs has full marks."""
     score = min(max(float(record["score"]), 0.0), float(record["max_score"]))
     said = [f"{record['status']}: {'; '.join(part for part in (record['message'], result['message']) if part)}"]
-    said += [record[key] for key in ("hint", "traceback", "prints") if record.get(key)]
+    said += [record[key] for key in ("symptom", "hint", "traceback", "prints") if record.get(key)]
     outputs = [
         nbformat.v4.new_output("execute_result", {"text/plain": repr(score)}),
         nbformat.v4.new_output("display_data", {"text/plain": text("\n".join(said), 8000)}),

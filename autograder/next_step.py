@@ -58,7 +58,7 @@ def _found(check):
     """What could not be judged and why; of what was judged a known mistake's hint, else what was found."""
     if check["judged"] and check["mistake"] and check["hint"]:
         return check["hint"]
-    return check["message"].split("; it looks like a known mistake")[0] or check["meaning"]
+    return check["message"] or check["meaning"]
 
 
 def _ended(what, found):

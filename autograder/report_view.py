@@ -147,7 +147,7 @@ def _check(check):
     images = check.get("images")
     return {
         **{key: text(check.get(key), 100) for key in ("id", "name")},
-        **{key: text(check.get(key)) for key in ("title", "message", "hint", "caption")},
+        **{key: text(check.get(key)) for key in ("title", "message", "symptom", "hint", "caption")},
         "status": status,
         "word": CHECK_WORDS[status][0],
         "meaning": CHECK_WORDS[status][1],

@@ -193,7 +193,7 @@ def noisy_ball(directions_a_pixel, turned_by_degrees):
     return picture
 
 
-fw.interact(noisy_ball, directions_a_pixel=[1, 2, 3, 4, 6, 8, 12], turned_by_degrees=np.arange(0, 360, 15),
+fw.interact(noisy_ball, strip=2, directions_a_pixel=[1, 2, 3, 4, 6, 8, 12], turned_by_degrees=np.arange(0, 360, 15),
             title="Rough gold under the sky, alpha = 0.16");
 
 # %% [markdown]

@@ -28,6 +28,7 @@ ASKED = {
 MISTAKE = {
     "message": "inside the box the distance is 0 where it should be negative (812 of 4096 points).",
     "likely_mistake": "box-without-interior-term",
+    "symptom": "The distance is 0 everywhere inside.",
     "hint": "Add min(max(q.x, q.y, q.z), 0): the first term alone is 0 everywhere inside.",
     "title": ASKED["sdf_box"],
     "caption": "A slice through the centre of the box; outside is grey, inside is blue.",

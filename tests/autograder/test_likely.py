@@ -163,5 +163,5 @@ def test_two_mistakes_in_one_notebook_are_both_named(tmp_path, pool):
     assert named == {"sdf_box": "sdf-box-manhattan", "smooth_union": "smooth-union-abs-missing"}
     for name, check in result.items():
         assert (check["score"] == check["max_score"]) == (name not in named)
-    assert "Too large off edges and corners" in result["sdf_box"]["message"]
+    assert "Too large off edges and corners" in result["sdf_box"]["symptom"]
     assert result["sdf_box"]["hint"] == "How long is the way to a corner: the sum of its components?"

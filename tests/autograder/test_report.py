@@ -105,7 +105,8 @@ def test_a_page_tells_score_errors_mistake_and_what_would_raise_the_score_most(t
         r" 1\.7 sphere_trace Timeout up to \+5 1\.6 estimate_normal Error up to \+4 1\.3 sdf_torus Fail up to \+3",
         gains,
     )
-    for words in ("box without interior term", "Add min(max(q.x", "limit 1×10⁻⁹", "missed on hidden inputs",
+    for words in ("box without interior term", "The distance is 0 everywhere inside.", "Add min(max(q.x", "limit 1×10⁻⁹",
+                  "missed on hidden inputs",
                   "rms 0.0213 2.13 × the limit of 0.01", "0.24 of 0.6", "11.23 × the reference's 81 234",
                   "notebook 9f2c", "versions numpy 2.4.0"):  # fmt: skip
         assert words in page.text, words
@@ -208,7 +209,7 @@ def test_a_foreign_or_broken_file_gets_a_row_and_stops_nothing(tmp_path):
 def test_odd_values_inside_a_result_are_left_empty(tmp_path):
     odd = [None, -1, 1e308, float("nan"), float("inf"), 10**400, "7", [], {}, True]
     keys = ["error", "tolerance", "evaluations", "evaluations_reference", "measures", "images", "scale",
-            "traceback", "prints", "caption", "message", "likely_mistake", "hint", "metric"]  # fmt: skip
+            "traceback", "prints", "caption", "message", "likely_mistake", "symptom", "hint", "metric"]  # fmt: skip
     checks = [check(str(i), "f", **{key: value for key in keys}) for i, value in enumerate(odd)]
     checks += [
         check("x", "f", measures=[dict.fromkeys(["error", "tolerance", "share", "credit"], v)]) for v in odd
